@@ -226,7 +226,7 @@ case("cube-surface", SURFACE, unit, [(0.0, 0.5, 0.5), (tiny, 0.5, 0.5), (-tiny, 
      "on faces, edges and vertices the distance is 0, not a number close to it and not NaN; 1e-6 beside them it has a sign",
      "libigl/libigl/issues/1204")  # fmt: skip
 case("tetrahedron-surface", SURFACE, corner, on_sites(corner) + beside(on_sites(corner), tiny),
-     "the same on a slanted face", "SU2code/SU2/pull/2484")  # fmt: skip
+     "the same on a slanted face", "su2code/SU2/pull/2484")  # fmt: skip
 case("obtuse-surface", SURFACE, obtuse, on_sites(obtuse) + beside(on_sites(obtuse), single(1e-4)) + beside(on_sites(obtuse)[:6], tiny),
      "the same beside dihedral angles near 0 and 180 degrees", "llnl/axom/issues/783")  # fmt: skip
 last_place = [(0.5, 0.5, 2.0**-60), (0.5, 0.5, -(2.0**-60)), (0.25, 0.75, 1 + 2.0**-52), (0.25, 0.75, 1 - 2.0**-53), (2.0**-300, 0.5, 0.5),
@@ -244,7 +244,7 @@ FAR = "far"
 directions = [(1, 0, 0), (-1, -1, 0), (1, 1, 1), (0, -2, 1), (-3, 1, 2)]
 case("cube-far", FAR, unit, [tuple(0.5 + far * x for x in d) for far in (1e3, 1.5e5, 1e6) for d in directions],
      "distances above 1e5 are taken for none found", "zarquon42b/Rvcg/issues/10")  # fmt: skip
-case("cube-very-far", FAR, unit, [tuple(far * x for x in d) for far in (1e9, 1e12) for d in directions],
+case("cube-very-far", FAR, unit, [tuple(far * x for x in d) for far in (1e9, 1e11) for d in directions],
      "a body far away is a point, but it has an outside", "zarquon42b/Rvcg/issues/10", "doubles")  # fmt: skip
 case("tetrahedron-far", FAR, corner, [tuple(far * x for x in d) for far in (64.0, 4096.0) for d in
                                       [(1, 1, -1), (1, -1, 1), (-1, 1, 1), (1, 1, 1), (-1, -1, -1), (2, 2, -1), (1, -0.5, 0), (0, 0, 1)]],

@@ -141,7 +141,8 @@ class Surface:
         return [tuple(places[corner] for corner in face) for face in faces]
 
     def nearest(self, point, tolerance, candidates=None):
-        """The distance, and of each triangle that is at most `tolerance` farther its number and its closest point."""
+        """The distance, and of each triangle that is at most `tolerance` farther its number and its closest point; the
+        nearest first, the lowest among equals."""
         p = self.whole(point)
         numbers = range(len(self.triangles)) if candidates is None else candidates
         found = {number: closest_on_triangle(p, *self.triangles[number]) for number in numbers}
@@ -152,9 +153,10 @@ class Surface:
         distance = root(least[0], least[1] * self.unit * self.unit)
         allowed = []
         for number, (square, over, place, place_over) in found.items():
-            if root(square, over * self.unit * self.unit) <= distance + tolerance:
-                allowed.append((number, tuple(float(Fraction(x, place_over * self.unit)) for x in place)))
-        return distance, allowed
+            away = root(square, over * self.unit * self.unit)
+            if away <= distance + tolerance:
+                allowed.append((away, number, tuple(float(Fraction(x, place_over * self.unit)) for x in place)))
+        return distance, [(number, place) for _, number, place in sorted(allowed)]
 
     def winding(self, point):
         return crossings(self.whole(point), self.solid)

@@ -90,7 +90,7 @@ def answers_of(case):
         distance, allowed = surface.nearest(point, tolerance, candidates(case, point))
         answers["distance"].append(distance)
         answers["triangle"].append([number for number, _ in allowed])
-        answers["closest"].append(sorted(set(place for _, place in allowed)))
+        answers["closest"].append(list(dict.fromkeys(place for _, place in allowed)))
         if distance == 0 or not has_sign:
             inside = False
         elif is_open:

@@ -15,7 +15,6 @@ import json
 import pathlib
 import subprocess
 import sys
-import time
 
 HERE = pathlib.Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -23,7 +22,7 @@ sys.path.insert(0, str(HERE))
 # What is installed for the programs; python3-openvdb is Debian's.
 requirements = """numpy==2.4.6 trimesh==5.2.0 rtree==1.4.1 scipy embreex==4.4.0.post1 libigl==2.6.3 open3d==0.20.0
 point-cloud-utils==0.34.0 fcpw==1.2.0 nanobind-backend vtk==9.7.1 warp-lang==1.19.0 cgal==6.0.1.post202410241521
-pymeshlab==2025.7.post1 gpytoolbox==0.3.8 drake==1.58.0""".split()
+pymeshlab==2025.7.post1 gpytoolbox==0.3.8 drake==1.51.1""".split()
 
 SIDE = 64  # voxels of OpenVDB on the longest side
 
@@ -72,14 +71,14 @@ def fcpw_scene(vertices, faces):
     scene.set_object_count(1)
     scene.set_object_vertices(numpy.asfortranarray(vertices, dtype=numpy.float32), 0)
     scene.set_object_triangles(numpy.asfortranarray(faces, dtype=numpy.int32), 0)
-    scene.compute_silhouettes()  # pseudonormals follow from these
     scene.build(fcpw.aggregate_type.bvh_surface_area, True)
 
     def query(points):
         places = numpy.asfortranarray(points, dtype=numpy.float32)
         found = fcpw.interaction_3D_list()
-        scene.find_closest_points(places, numpy.full(len(points), numpy.inf, dtype=numpy.float32), found, True)
-        return numpy.array([one.signed_distance(place) for one, place in zip(found, places)])
+        scene.find_closest_points(places, numpy.full(len(points), numpy.inf, dtype=numpy.float32), found)
+        inside = numpy.array([scene.contains(numpy.ascontiguousarray(place)) for place in places])
+        return numpy.where(inside, -1, 1) * numpy.array([one.d for one in found])
 
     return query
 
@@ -129,7 +128,9 @@ def cgal_side(vertices, faces):
         raise RuntimeError("the faces are no polyhedron: edges with more than two faces, or faces that repeat a vertex")
     if not body.is_closed():
         raise RuntimeError("Side_of_triangle_mesh needs a closed mesh")
-    tree = CGAL_AABB_tree.AABB_tree_Polyhedron_3_Facet_handle(body.facets())
+    corners = [CGAL_Kernel.Point_3(*map(float, vertex)) for vertex in vertices]
+    triangles = [CGAL_Kernel.Triangle_3(corners[a], corners[b], corners[c]) for a, b, c in faces]
+    tree = CGAL_AABB_tree.AABB_tree_Triangle_3_soup(triangles)
     side = CGAL_Polygon_mesh_processing.Side_of_triangle_mesh(body)
 
     def query(points):
@@ -140,6 +141,7 @@ def cgal_side(vertices, faces):
             found.append((-1 if inside else 1) * tree.squared_distance(place) ** 0.5)
         return numpy.array(found)
 
+    query.keep = triangles, body
     return query
 
 
@@ -240,27 +242,31 @@ def openvdb_level_set(vertices, faces):
     return query
 
 
-# name: (function, package, what is used, what it says of itself)
-FLOATS = "positions in floats"
-CLOSED = "for closed meshes"
+# name: (function, package, what is used, what it does not promise, of the words that a case `asks`)
+CLOSED = ("open", "no sign", "repair")
+PARITY = ("overlaps", *CLOSED)
+SIMPLE = ("overlaps", "degenerate", *CLOSED)
+FLOATS = ("doubles",)
 PEERS = {
-    "trimesh": (trimesh_signed_distance, "trimesh", "`proximity.signed_distance`, rays by embreex", f"{CLOSED}"),
-    "libigl": (igl_by("WINDING_NUMBER"), "libigl", "`signed_distance`, winding number", "distance times 1 - 2 w if open"),
-    "libigl-pseudonormal": (igl_by("PSEUDONORMAL"), "libigl", "`signed_distance`, pseudonormals", f"{CLOSED} that do not meet themselves"),
-    "open3d": (open3d_scene, "open3d", "`compute_signed_distance`, 11 rays", f"{CLOSED}, {FLOATS}"),
-    "point-cloud-utils": (point_cloud_utils_distance, "point-cloud-utils", "`signed_distance_to_mesh`, fast winding number", ""),
-    "fcpw": (fcpw_scene, "fcpw", "`find_closest_points`, `signed_distance`", f"{CLOSED}, {FLOATS}"),
-    "pysdf": (pysdf_function, "pysdf", "`SDF`", f"{CLOSED}, {FLOATS}"),
-    "vtk": (vtk_function, "vtk", "`vtkImplicitPolyDataDistance`", f"{CLOSED}"),
-    "cgal": (cgal_side, "cgal", "`AABB_tree`, `Side_of_triangle_mesh`", "closed manifolds; others are refused here"),
-    "warp": (warp_by("winding_number"), "warp-lang", "`mesh_query_point_sign_winding_number`", f"{FLOATS}; on the processor"),
-    "warp-parity": (warp_by("parity"), "warp-lang", "`mesh_query_point_sign_parity`", f"{CLOSED}, {FLOATS}"),
-    "warp-normal": (warp_by("normal"), "warp-lang", "`mesh_query_point_sign_normal`", f"{CLOSED} that do not meet themselves, {FLOATS}"),
-    "pymeshlab": (pymeshlab_filter, "pymeshlab", "`compute_scalar_by_distance_from_another_mesh_per_vertex`", FLOATS),
-    "gpytoolbox": (gpytoolbox_distance, "gpytoolbox", "`signed_distance`", ""),
-    "drake": (drake_query, "drake", "`ComputeSignedDistanceToPoint` of a `Mesh`", "closed manifolds"),
-    "openvdb": (openvdb_level_set, "python3-openvdb", f"`createLevelSetFromPolygons`, {SIDE} voxels a side", "approximate, within 3 voxels; ignores orientation"),
-}
+    "trimesh": (trimesh_signed_distance, "trimesh", "`proximity.signed_distance`, rays by embreex", PARITY + FLOATS),
+    "libigl": (igl_by("WINDING_NUMBER"), "libigl", "`signed_distance`, winding number", ("repair",)),
+    "libigl-pseudonormal": (igl_by("PSEUDONORMAL"), "libigl", "`signed_distance`, pseudonormals", SIMPLE),
+    "open3d": (open3d_scene, "open3d", "`compute_signed_distance`, 11 rays", PARITY + FLOATS),
+    "point-cloud-utils": (point_cloud_utils_distance, "point-cloud-utils", "`signed_distance_to_mesh`", ("repair",)),
+    "fcpw": (fcpw_scene, "fcpw", "`find_closest_points`, `contains`", PARITY + FLOATS),
+    "pysdf": (pysdf_function, "pysdf", "`SDF`", PARITY + FLOATS),
+    "vtk": (vtk_function, "vtk", "`vtkImplicitPolyDataDistance`", SIMPLE),
+    "cgal": (cgal_side, "cgal", "`AABB_tree_Triangle_3_soup`, `Side_of_triangle_mesh`", SIMPLE),
+    "warp": (warp_by("winding_number"), "warp-lang", "`mesh_query_point_sign_winding_number`", ("repair", *FLOATS)),
+    "warp-parity": (warp_by("parity"), "warp-lang", "`mesh_query_point_sign_parity`", PARITY + FLOATS),
+    "warp-normal": (warp_by("normal"), "warp-lang", "`mesh_query_point_sign_normal`", SIMPLE + FLOATS),
+    "pymeshlab": (pymeshlab_filter, "pymeshlab", "`compute_scalar_by_distance_...`", SIMPLE + FLOATS),
+    "gpytoolbox": (gpytoolbox_distance, "gpytoolbox", "`signed_distance`", ("repair",)),
+    "drake": (drake_query, "drake", "`ComputeSignedDistanceToPoint` of a `Mesh`", SIMPLE),
+    "openvdb": (openvdb_level_set, "python3-openvdb", f"`createLevelSetFromPolygons`, {SIDE} voxels a side",
+                ("cavities", *CLOSED, *FLOATS)),
+}  # fmt: skip
+ASKS = ("cavities", "overlaps", "open", "no sign", "repair", "degenerate", "doubles")
 
 
 def read(folder):
@@ -298,7 +304,6 @@ def run_peer(name, python, cases, folder, results, seconds):
     while left:
         command = [python, str(HERE / "peers.py"), "--work", name, "--folder", str(folder), "--results", str(results), *left]
         (results / "at").write_text(left[0])
-        begin = time.monotonic()
         try:
             with open(results / "log", "ab") as log:
                 ended = subprocess.run(command, stdout=log, stderr=log, timeout=seconds).returncode
@@ -311,19 +316,17 @@ def run_peer(name, python, cases, folder, results, seconds):
             break
         lost[at] = f"signal {-ended}" if isinstance(ended, int) and ended < 0 else f"{ended}"
         left = left[left.index(at) + 1 :]
-        if time.monotonic() - begin < 1 and len(lost) > 20:
-            break
     return lost
 
 
 def judged(name, folder, results, lost, index):
-    """The row of a program."""
+    """The row of a program: of the cases that ask nothing further, and of the others the wrong signs by what they ask."""
     import numpy
 
     import judge
 
-    counts = {"plain": 0, "beyond": 0, "plain signs": 0, "other signs": 0, "refused": 0, "crashed": len(lost)}
-    worst, wrong_cases, off = 0.0, {}, 0
+    row = {"worst": 0.0, "off": 0, "signs": 0, "refused": 0, "crashed": len(lost), "cases": {}}
+    row.update({word: [0, 0] for word in ASKS})  # wrong signs, cases with a result
     for about in index:
         case = about["name"]
         answers, points = judge.case_of(folder / case)
@@ -331,27 +334,30 @@ def judged(name, folder, results, lost, index):
         if case in lost:
             continue
         if not path.exists():
-            counts["refused"] += 1
+            row["refused"] += 1
             continue
         distance = numpy.load(path)
         side = answers["tolerance"] * 25_600_000
         right = numpy.array(answers["distance"])
-        judged_points = numpy.ones(len(points), dtype=bool)
-        if name == "openvdb":  # beyond the band it has the band's limit
-            judged_points = right < 2.9 * side / SIDE
-        report = judge.judge(answers, points, distance)
+        wrong = judge.judge(answers, points, distance)["wrong_signs"]
+        if wrong:
+            row["cases"][case] = wrong
+        for word in about["asks"]:
+            row[word][0] += wrong
+            row[word][1] += 1
+        if about["asks"]:
+            continue
+        row["signs"] += wrong
+        # Beyond the band of OpenVDB there is the band's limit.
+        in_band = right < 2.9 * side / SIDE if name == "openvdb" else numpy.ones(len(points), dtype=bool)
         error = numpy.abs(numpy.abs(distance) - right) / side
-        error = numpy.where(numpy.isnan(error), numpy.inf, error)[judged_points]
-        plain = not about["asks"]
-        if plain and len(error):
-            worst = max(worst, float(error.max()))
+        error = numpy.where(numpy.isnan(error), numpy.inf, error)[in_band]
+        if len(error):
+            row["worst"] = max(row["worst"], float(error.max()))
             # What floats can do: 1e-5 of the side and 1e-6 of the coordinates.
-            scale = numpy.abs(points).max(1)[judged_points] / side
-            off += int((error > 1e-5 + 1e-6 * scale).sum())
-        counts["plain signs" if plain else "other signs"] += report["wrong_signs"]
-        if report["wrong_signs"]:
-            wrong_cases[case] = report["wrong_signs"]
-    return {**counts, "worst": worst, "off": off, "cases": wrong_cases}
+            scale = numpy.abs(points).max(1)[in_band] / side
+            row["off"] += int((error > 1e-5 + 1e-6 * scale).sum())
+    return row
 
 
 def version_of(python, package):
@@ -378,6 +384,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME", help="of a program, or of cases with --work")
     parser.add_argument("--folder", type=pathlib.Path, required=True)
+    parser.add_argument("--kept", action="store_true", help="judge the results of the last run again")
     parser.add_argument("--seconds", type=float, default=120, help="limit of a process")
     parser.add_argument("--work", help=argparse.SUPPRESS)
     parser.add_argument("--results", type=pathlib.Path, help=argparse.SUPPRESS)
@@ -392,24 +399,32 @@ def main():
     index = json.loads((set_folder / "index.json").read_text())
     cases = [about["name"] for about in index]
     print(f"{datetime.date.today()}, {len(cases)} cases\n")
-    print(
-        "| program | used | largest error | distances off | wrong signs | wrong signs of the rest | refused | crashed | it says |\n"
-        "|-|-|-:|-:|-:|-:|-:|-:|-|"
-    )
+    print("| program | used | largest error | distances off | wrong signs | " + " | ".join(ASKS) + " | refused | crashed |")
+    print("|-|-|" + "-:|" * (5 + len(ASKS)))
     notes = []
     for name in options.names or PEERS:
-        _, package, used, says = PEERS[name]
+        _, package, used, unpromised = PEERS[name]
         interpreter = "/usr/bin/python3" if package.startswith("python3-") else python
         version = version_of(interpreter, package)
         if not version:
-            print(f"| {name} | not installed | | | | | | | |", flush=True)
+            print(f"| {name} | not installed |" + " |" * (5 + len(ASKS)), flush=True)
             continue
         results = options.folder / "results" / name
-        lost = run_peer(name, interpreter, cases, set_folder, results, options.seconds)
+        if not options.kept:
+            lost = run_peer(name, interpreter, cases, set_folder, results, options.seconds)
+            (results / "lost.json").write_text(json.dumps(lost))
+        elif (results / "lost.json").exists():
+            lost = json.loads((results / "lost.json").read_text())
+        else:
+            continue
         row = judged(name, set_folder, results, lost, index)
+        signs = []
+        for word in ASKS:
+            text = str(row[word][0]) if row[word][1] else "-"
+            signs.append(f"({text})" if word in unpromised and text != "-" else text)
         print(
-            f"| {package} {version} | {used} | {row['worst']:.1e} | {row['off']} | {row['plain signs']} | {row['other signs']} "
-            f"| {row['refused']} | {row['crashed']} | {says} |",
+            f"| {package} {version} | {used} | {row['worst']:.1e} | {row['off']} | {row['signs']} | {' | '.join(signs)} "
+            f"| {row['refused']} | {row['crashed']} |",
             flush=True,
         )
         notes.append((name, row["cases"], lost))

@@ -1,3 +1,4 @@
+#include "check_points.hpp"
 #include "command.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
@@ -31,6 +32,7 @@ struct Options {
     std::string surface = "given";
     bool complete = false;
     bool positive_inside = false;
+    PointsToCheck points;
 
     std::vector<std::string> meshes() const { return mesh_files(mesh, more); }
     const std::string& field() const { return more.back(); }
@@ -172,6 +174,14 @@ Asked read_bodies(const Options& options, Report& report) {
 }
 
 ExitStatus run(const Options& options, Report& report) {
+    if (options.points.are_given()) {
+        std::vector<std::string> files{options.mesh};
+        files.insert(files.end(), options.more.begin(), options.more.end());
+        return check_points(options.points, files, options.reading, options.positive_inside, options.floor, report);
+    }
+    if (options.more.empty())
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           "FIELD is missing: name the field after the mesh, or give --points and --distances");
     Asked asked = read_bodies(options, report);
     const std::vector<std::string>& meshes = asked.names;
     const bool is_outer = parse_surface(options.surface) == clsdf::Surface::outer;
@@ -222,8 +232,8 @@ ExitStatus run(const Options& options, Report& report) {
 Command add_check(Parser& program) {
     const auto options = std::make_shared<Options>();
     Parser parser = program.add_subcommand("check", "Compare a field with the reference, in double precision");
-    add_mesh_and_argument(parser, options->mesh, "FIELD", options->more,
-                          "its field, last: .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf");
+    add_mesh_and_optional_argument(parser, options->mesh, "FIELD", options->more,
+                                   "its field, last: .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf; none with --points");
     add_floor_option(parser, options->floor);
     add_surface_option(parser, options->surface);
     add_weld_option(parser, options->reading);
@@ -241,13 +251,17 @@ Command add_check(Parser& program) {
         .add("--tolerance-voxels", options->check.tolerance_voxels,
              "an error up to this, or up to 2 ulp, keeps the contract")
         .takes_number_of_0_or_more("X");
+    add_options_of_points(parser, options->points);
     parser.set_footer(
         "Prints errors, wrong signs, samples of the band that are missed and samples beyond it that are not filled;\n"
         "the exit status is 1 if there is one.\n"
         "In place of meshes, a file .json has many bodies with poses (docs/scenes.md).\n\n"
+        "With --points and --distances it judges what any program found at points, and prints a row of a table.\n\n"
         "Examples:\n"
         "  clsdf check bunny.off bunny.nrrd\n"
         "  clsdf check bunny.off bunny.nrrd --samples 1000000 --seed 7\n"
-        "  clsdf check bunny.off bunny.nrrd --complete --json > report.json");
+        "  clsdf check bunny.off bunny.nrrd --complete --json > report.json\n"
+        "  clsdf check bunny.off --points particles.npy --distances distances.npy\n"
+        "  clsdf check bunny.off --points found.csv --distances found.csv --closest found.csv --tolerance 1e-6");
     return {parser, [options](Report& report) { return run(*options, report); }};
 }

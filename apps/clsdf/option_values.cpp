@@ -66,6 +66,12 @@ void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string&
     parser.add(name, more, text).required().in_usage(name);
 }
 
+void add_mesh_and_optional_argument(Parser& parser, std::string& mesh, const std::string& name,
+                                    std::vector<std::string>& more, const std::string& text) {
+    parser.add("MESH", mesh, mesh_text).required().in_usage("MESH...");
+    parser.add(name, more, text).in_usage(name);
+}
+
 std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more) {
     std::vector<std::string> files{mesh};
     files.insert(files.end(), more.begin(), more.end() - 1);

@@ -45,6 +45,9 @@ void add_mesh_argument(Parser& parser, std::vector<std::string>& files);
 /// `more` gets what follows MESH.
 void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string& name, std::vector<std::string>& more,
                            const std::string& text);
+/// The same, and the other argument may be left out: then `more` has further files of the mesh, or nothing.
+void add_mesh_and_optional_argument(Parser& parser, std::string& mesh, const std::string& name,
+                                    std::vector<std::string>& more, const std::string& text);
 /// The files of the mesh among these two.
 std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more);
 

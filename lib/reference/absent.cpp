@@ -64,6 +64,10 @@ std::vector<CheckReport> check(const Mesh&, std::span<const Field>, const CheckO
     refuse();
 }
 
+PointCheckReport check_points(const Mesh&, std::span<const Vec3>, const PointResults&, const PointCheckOptions&) {
+    refuse();
+}
+
 std::vector<TrianglePair> find_self_intersections(const Mesh&) {
     refuse();
 }

@@ -13,6 +13,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/mesh_sites.cpp
           ${CMAKE_CURRENT_LIST_DIR}/check.cpp
           ${CMAKE_CURRENT_LIST_DIR}/check_bodies.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/check_points.cpp
           ${CMAKE_CURRENT_LIST_DIR}/reference_field.cpp
           ${CMAKE_CURRENT_LIST_DIR}/self_intersections.cpp)
 target_include_directories(clsdf_reference PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})

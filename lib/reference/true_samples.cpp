@@ -154,8 +154,7 @@ void TrueSamples::take_sign(const Vec3& point, TrueSample& sample) const {
     sample.in_doubt = std::abs(std::abs(winding) - 0.5) < doubt;
 }
 
-TrueSample TrueSamples::at(const Index3& index) const {
-    const ExactPosition position = exact_position(grid_, index);
+TrueSample TrueSamples::at(const ExactPosition& position) const {
     TrueSample sample;
     measure(position, reach_, sample);
     if (!open_edges_.empty()) {

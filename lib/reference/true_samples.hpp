@@ -44,7 +44,9 @@ public:
     /// The surface that decides the sign; the mesh if there is no sign.
     const SignSurface& sign_surface() const { return surface_; }
 
-    TrueSample at(const Index3& index) const;
+    TrueSample at(const Index3& index) const { return at(position(index)); }
+    /// The same at any position.
+    TrueSample at(const ExactPosition& position) const;
 
     /// All samples (i, j, k) of one row, i = 0 ... size - 1.
     void row(std::int64_t j, std::int64_t k, std::vector<TrueSample>& samples) const;

@@ -325,6 +325,42 @@ BOOST_AUTO_TEST_CASE(takes_several_files_as_one_body) {
     check_refused(run_command({"compute", inputs.mesh, second, "-o", second}), 2, {"second.stl"});
 }
 
+BOOST_AUTO_TEST_CASE(results_of_any_program_are_judged_at_their_points) {
+    const Inputs inputs;
+    const std::string found = inputs.folder.file("found.csv");
+    BOOST_REQUIRE(
+        run_command({"query", inputs.mesh, inputs.csv, "-o", found, "--with", "closest,gradient,triangle"}).status ==
+        0);
+    const std::vector<std::string> asked{"check", inputs.mesh, "--points",    inputs.csv, "--distances",
+                                         found,   "--closest", found,         "--json",   "--gradients",
+                                         found,   "--quiet",   "--triangles", found};
+    const Outcome passed = run_command(asked);
+    BOOST_TEST(passed.status == 0, passed.error);
+    BOOST_TEST(nlohmann::json::parse(passed.out)["points"] == 4);
+
+    const std::string wrong = inputs.folder.file("wrong.csv", "distance\n0.5\n2.00001\n0\nnan\n");
+    const Outcome failed = run_command({"check", inputs.mesh, "--points", inputs.csv, "--distances", wrong, "--json"});
+    BOOST_TEST(failed.status == 1);
+    const nlohmann::json report = nlohmann::json::parse(failed.out);
+    BOOST_TEST(report["wrong_distances"] == 2);
+    BOOST_TEST(report["wrong_signs"] == 1);
+    BOOST_TEST(report["max_error"].is_null());
+    BOOST_TEST(report["findings"].size() == 3U);
+    BOOST_TEST(failed.error.find("| cube.off | 4 | inf | 2 | 1 | 0 | 0 | 0 |") != std::string::npos, failed.error);
+    const std::string near = inputs.folder.file("near.csv", "distance\n-0.5\n2.00001\n0\n2.2360680\n");
+    BOOST_TEST(run_command({"check", inputs.mesh, "--points", inputs.csv, "--distances", near, "--tolerance", "2e-5"})
+                   .status == 0);
+    BOOST_TEST(run_command({"check", inputs.mesh, "--points", inputs.csv, "--distances", near}).status == 1);
+
+    check_refused(run_command({"check", inputs.mesh, "--points", inputs.csv}), 2, {"--distances"});
+    check_refused(run_command({"check", inputs.mesh, "--distances", found}), 2, {"--points"});
+    const std::string few = inputs.folder.file("few.csv", "distance\n1\n");
+    check_refused(run_command({"check", inputs.mesh, "--points", inputs.csv, "--distances", few}), 3,
+                  {"few.csv", "1 rows", "4 points"});
+    check_refused(run_command({"check", inputs.mesh, "--points", inputs.csv, "--distances", inputs.csv}), 3,
+                  {"no column 'distance'"});
+}
+
 BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
     const Inputs inputs;
     const std::string result = inputs.folder.file("found.csv"), array = inputs.folder.file("found.npy");

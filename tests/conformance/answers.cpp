@@ -190,7 +190,8 @@ BOOST_AUTO_TEST_CASE(a_second_program_agrees_with_every_answer) {
             BOOST_TEST(sign == (std::fabs(winding) >= 0.5 ? -1 : 1), about() << ": winding number " << winding);
             if (!one.asks("repair") && !one.asks("open"))
                 BOOST_TEST(std::fabs(winding - std::round(winding)) < 1e-9, about() << ": winding number " << winding);
-            if (one.asks("open")) BOOST_TEST(std::fabs(winding - one.answers["winding"][i].get<double>()) < 1e-14, about());
+            if (one.asks("open"))
+                BOOST_TEST(std::fabs(winding - one.answers["winding"][i].get<double>()) < 1e-14, about());
         }
     }
 }

@@ -9,11 +9,13 @@ if(CLSDF_TEST_PYTHON)
   clsdf_test(conformance_answers answers.cpp LABELS conformance reference LINK nlohmann_json::nlohmann_json)
   # Contracted products would be others.
   target_compile_options(test_conformance_answers PRIVATE -ffp-contract=off)
-  clsdf_test(conformance_distances distances.cpp LABELS conformance points accuracy LINK nlohmann_json::nlohmann_json OpenCL::OpenCL AS_GPU)
+  clsdf_test(conformance_distances distances.cpp LABELS conformance points accuracy LINK nlohmann_json::nlohmann_json OpenCL::OpenCL)
   foreach(test answers distances)
     target_compile_definitions(
       test_conformance_${test} PRIVATE CLSDF_CONFORMANCE_SET="${conformance_set}" CLSDF_TEST_PYTHON="${CLSDF_TEST_PYTHON}"
                                        CLSDF_JUDGE="${PROJECT_SOURCE_DIR}/conformance/judge.py")
+    # Not called test_*: they need the set, and are not bundled.
+    set_target_properties(test_conformance_${test} PROPERTIES OUTPUT_NAME conformance_${test})
     set_tests_properties(conformance_${test} PROPERTIES FIXTURES_REQUIRED conformance)
   endforeach()
 

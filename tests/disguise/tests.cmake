@@ -145,6 +145,10 @@ clsdf_disguised(targets_callers_memory)
 clsdf_disguised(segments_exact_signs)
 clsdf_disguised(segments_links)
 clsdf_disguised(plans_links)
+if(TARGET test_conformance_distances)
+  clsdf_disguised(conformance_distances)
+  set_tests_properties(disguise_conformance_distances PROPERTIES FIXTURES_REQUIRED conformance)
+endif()
 
 # Kernels that only a GPU runs, on oclgrind, which calls itself a processor (tests/races).
 if(TARGET test_races AND CLSDF_OCLGRIND_DRIVER)

@@ -17,6 +17,7 @@ BOOST_AUTO_TEST_CASE(a_reference_that_is_not_built_is_refused_with_the_remedy) {
     const std::function<void()> calls[] = {
         [&] { reference::check(cube, field); },
         [&] { reference::check(cube, fields); },
+        [&] { reference::check_points(cube, {}, {}); },
         [&] { reference::find_self_intersections(cube); },
         [&] { reference::Oracle oracle(cube); },
         [&] { reference::nearest_by_brute_force(cube, {}); },

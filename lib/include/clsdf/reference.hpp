@@ -155,6 +155,51 @@ struct PlacedBody {
 CLSDF_EXPORT CheckReport check(std::span<const PlacedBody> bodies, const Field& field,
                                const CheckOptions& options = {});
 
+/// What a program found at points, a value for each of them. Arrays other than the distances may be empty.
+struct PointResults {
+    std::span<const double> distances{};  ///< negative inside
+    std::span<const Vec3> closest{};
+    std::span<const Vec3> gradients{};  ///< unit vectors, away from the surface outside and to it inside
+    std::span<const std::uint32_t> triangles{};
+};
+
+struct PointCheckOptions {
+    SignRule sign = SignRule::automatic;
+    std::optional<double> floor{};  ///< of the rule `below`
+    /// Of distances, in the mesh's units. If it is not given: 1e-5 of 1/256 of the mesh's longest side, or 2 units in
+    /// the last place of a float, whichever is more.
+    std::optional<double> tolerance{};
+};
+
+/// The comparison of results at points with the reference.
+struct PointCheckReport {
+    struct Finding {
+        std::size_t point = 0;
+        std::string what;
+    };
+
+    std::size_t points = 0;           ///< judged: all that are finite
+    std::size_t wrong_distances = 0;  ///< beyond the tolerance, or no number
+    std::size_t wrong_signs = 0;
+    std::size_t wrong_closest = 0;    ///< off the surface, or at another distance
+    std::size_t wrong_gradients = 0;  ///< no direction from a nearest point
+    std::size_t wrong_triangles = 0;  ///< not nearest within the tolerance
+    double max_error = 0;             ///< of a distance, in the mesh's units; infinite if one is no number
+    std::vector<Finding> findings;    ///< the first ten
+
+    bool passed() const {
+        return wrong_distances + wrong_signs + wrong_closest + wrong_gradients + wrong_triangles == 0;
+    }
+};
+
+/// Compares the results of any program at points with the contract of docs/accuracy.md, 'Points'. The sign is judged at
+/// every point that is not on the surface, by exact predicates. By the rule `solid_angle` it is not judged where the
+/// winding number is within rounding of one half. The result does not depend on the number of threads. Throws
+/// Error(invalid_argument) if an array has another size than the points, Error(invalid_mesh) if the mesh cannot honour
+/// the sign rule.
+CLSDF_EXPORT PointCheckReport check_points(const Mesh& mesh, std::span<const Vec3> points, const PointResults& results,
+                                           const PointCheckOptions& options = {});
+
 /// Two triangles, the lower index first.
 using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 

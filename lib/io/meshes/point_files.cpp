@@ -2,6 +2,7 @@
 #include "core/outputs.hpp"
 #include "io/meshes/mesh_files.hpp"
 #include "io/meshes/npy_header.hpp"
+#include "io/meshes/point_results.hpp"
 #include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
@@ -70,6 +71,35 @@ std::vector<std::array<double, width>> read_npy_rows(const std::string& path, co
     else
         read(std::vector<float>(count));
     return points;
+}
+
+/// A number a row, of any type.
+std::vector<double> read_npy_numbers(const std::string& path) {
+    InputFile file(path);
+    refuse_other_content(FileContent(path, telling_bytes));
+    const NpyHeader header = read_npy_header(file);
+    const bool is_column = header.shape.size() == 2 && header.shape[1] == 1;
+    if ((header.shape.size() != 1 && !is_column) || header.shape[0] < 0)
+        file.fail(fmt::format("header field 'shape': ({}); numbers at points have the shape (n,)",
+                              fmt::join(header.shape, ", ")));
+    if (header.shape[0] == 0) return {};
+    const std::size_t count = checked_count(file, header.values, header.shape);
+    const auto read = [&]<typename Number>(std::vector<Number> numbers) {
+        read_values(file, header.values, header.values.type, std::as_writable_bytes(std::span(numbers)));
+        return std::vector<double>(numbers.begin(), numbers.end());
+    };
+    switch (header.values.type) {
+        case ElementType::float32:
+            return read(std::vector<float>(count));
+        case ElementType::float64:
+            return read(std::vector<double>(count));
+        case ElementType::uint32:
+            return read(std::vector<std::uint32_t>(count));
+        case ElementType::uint8:
+            return read(std::vector<std::uint8_t>(count));
+        default:
+            return read(std::vector<std::int64_t>(count));
+    }
 }
 
 FileContent text_of_points(const std::string& path) {
@@ -385,6 +415,14 @@ void write_csv_points(std::span<const Vec3> points, const Columns& columns, Atom
     file.write(std::string_view(text.data(), text.size()));
 }
 
+bool is_npy_of_results(const std::string& path) {
+    const std::string ending = std::filesystem::path(path).extension().string();
+    if (equals_ignoring_case(ending, ".npy")) return true;
+    if (equals_ignoring_case(ending, ".csv")) return false;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("'{}' does not end like a file of results at points; the endings are .npy and .csv", path));
+}
+
 void check_rays_ending(const std::string& path) {
     const std::string ending = std::filesystem::path(path).extension().string();
     if (!equals_ignoring_case(ending, ".npy") && !equals_ignoring_case(ending, ".csv"))
@@ -491,6 +529,27 @@ RayRows read_rays(const std::string& path) try {
         rays.directions.push_back({dx, dy, dz});
     }
     return rays;
+} catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
+}
+
+std::vector<double> read_point_numbers(const std::string& path, const char* name) try {
+    if (is_npy_of_results(path)) return read_npy_numbers(path);
+    const auto has_name = [&](std::string_view column, std::size_t) { return column == name; };
+    std::vector<double> numbers;
+    for (const auto& [number] : read_csv_rows<1>(text_of_points(path), {name}, has_name)) numbers.push_back(number);
+    return numbers;
+} catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
+}
+
+std::vector<Vec3> read_point_vectors(const std::string& path, const char* name) try {
+    if (is_npy_of_results(path)) return read_npy_rows<3>(path, "vectors at points have the shape (n, 3), n >= 0");
+    const std::array<std::string, 3> columns{fmt::format("{}_x", name), fmt::format("{}_y", name),
+                                             fmt::format("{}_z", name)};
+    const auto has_name = [&](std::string_view column, std::size_t axis) { return column == columns[axis]; };
+    return read_csv_rows<3>(text_of_points(path), {columns[0].c_str(), columns[1].c_str(), columns[2].c_str()},
+                            has_name);
 } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
 }
