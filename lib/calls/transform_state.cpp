@@ -146,7 +146,7 @@ void DistanceTransform::State::set_mesh(Mesh mesh, const TransformOptions& optio
         options, call);
 }
 
-void DistanceTransform::State::set_mesh(std::shared_ptr<const Mesh> given, engine::MadeTopology made,
+void DistanceTransform::State::set_mesh(std::shared_ptr<const Mesh> mesh, engine::MadeTopology made,
                                         const TransformOptions& options, const CallOptions& call) {
     const TopologyResults& found = made.results;
     topology.unused_vertices = made.given_vertices - found.used_vertices;
@@ -154,7 +154,7 @@ void DistanceTransform::State::set_mesh(std::shared_ptr<const Mesh> given, engin
     const bool are_paired = made.topology->are_paired, is_one_part = made.is_one_part(),
                is_inside_out = made.encloses_negative_volume();
     kept_mesh =
-        std::make_unique<engine::KeptMesh>(context(), pool, std::move(given), std::move(made), kept_options(options));
+        std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh), std::move(made), kept_options(options));
     SignSurface surface;
     if (are_paired) {
         kept_mesh->set_encloses_negative_volume(is_inside_out);
