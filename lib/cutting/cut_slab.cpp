@@ -30,7 +30,7 @@ public:
     }
 
 private:
-    std::array<Vec3, 12> corners_{};
+    std::array<Vec3, 12> corners_;  // NOLINT(*-member-init): those beyond the count are never read
     std::size_t count_ = 0;
 };
 
@@ -80,21 +80,21 @@ void Slab::run(std::int64_t k, std::span<const std::uint32_t> faces, std::vector
     y_.finish();
     z_.finish();
     for (std::int64_t j = 0; j < counts_[1]; ++j)
-        for (std::int64_t i = 0; i < counts_[0]; ++i) {
-            const std::size_t cell = index(i, j);
-            if (const CellSums* const sums = cells_.find(cell))
-                rows.push_back(row(i, j, *sums));
-            else
-                are_full[cell] = z_.at(1, i, j)[0] > 0.5;
-        }
+        for (std::int64_t i = 0; i < counts_[0]; ++i)
+            if (const CellSums* const sums = cells_.find(index(i, j))) rows.push_back(row(i, j, *sums));
+    // Without surface in a cell its high face is as that face's edge, which runs along y.
+    for (std::int64_t i = 0; i < counts_[0]; ++i)
+        for (std::int64_t j = 0; j < counts_[1]; ++j)
+            if (z_.is_edge_solid(1, i, j) && cells_.find(index(i, j)) == nullptr) are_full[index(i, j)] = true;
 }
 
 void Slab::add_cells(const std::array<Vec3, 3>& corners, std::uint32_t face) {
     const std::size_t moved = moved_axis(corners, walls_);
     const auto part = [&](const Polygon& polygon, std::size_t axis, std::int64_t cell) {
-        if (axis == moved) return polygon;
         const auto low = static_cast<double>(first_[axis] + cell);
-        return polygon.cut(axis, low, true).cut(axis, low + 1, false);
+        const bool is_whole =
+            std::ranges::all_of(polygon.corners(), [&](const Vec3& p) { return p[axis] >= low && p[axis] < low + 1; });
+        return is_whole || axis == moved ? polygon : polygon.cut(axis, low, true).cut(axis, low + 1, false);
     };
     const auto range = [&](const Polygon& polygon, std::size_t axis) {
         const auto [least, most] = std::ranges::minmax(polygon.corners(), {}, [&](const Vec3& p) { return p[axis]; });
@@ -158,7 +158,7 @@ void Slab::add(const Polygon& polygon, const std::array<std::int64_t, 3>& cell, 
     if (sums != nullptr) sums->faces.push_back(face);
 }
 
-CutCell Slab::row(std::int64_t i, std::int64_t j, const CellSums& sums) const {
+CutCell Slab::row(std::int64_t i, std::int64_t j, const CellSums& sums) {
     CutCell row;
     row.cell = {static_cast<std::int32_t>(first_[0] + i), static_cast<std::int32_t>(first_[1] + j),
                 static_cast<std::int32_t>(first_[2])};
@@ -190,29 +190,30 @@ CutCell Slab::row(std::int64_t i, std::int64_t j, const CellSums& sums) const {
 }
 
 /// Faces are joined over an edge that has a part in the cell.
-std::uint32_t Slab::pieces(std::span<const std::uint32_t> faces, const Vec3& low) const {
-    DisjointSets sets(faces.size());
+std::uint32_t Slab::pieces(std::span<const std::uint32_t> faces, const Vec3& low) {
     auto count = static_cast<std::uint32_t>(faces.size());
-    using Edge = std::array<std::uint32_t, 3>;  // its vertices, and a place in `faces`
-    std::vector<Edge> edges;
+    if (count == 1) return 1;
+    DisjointSets sets(faces.size());
+    edges_.clear();
     for (std::uint32_t n = 0; n < faces.size(); ++n) {
         const Triangle& corners = triangles_[faces[n]];
         for (std::size_t i = 0; i < 3; ++i)
-            edges.push_back(
+            edges_.push_back(
                 {std::min(corners[i], corners[(i + 1) % 3]), std::max(corners[i], corners[(i + 1) % 3]), n});
     }
-    std::ranges::sort(edges);
-    for (std::size_t n = 1; n < edges.size(); ++n) {
-        if (edges[n][0] != edges[n - 1][0] || edges[n][1] != edges[n - 1][1]) continue;
-        if (sets.root(edges[n][2]) == sets.root(edges[n - 1][2]) || !meets(edges[n], low)) continue;
+    std::ranges::sort(edges_);
+    for (std::size_t n = 1; n < edges_.size() && count > 1; ++n) {
+        const Edge &one = edges_[n - 1], &other = edges_[n];
+        if (one[0] != other[0] || one[1] != other[1]) continue;
+        if (sets.root(other[2]) == sets.root(one[2]) || !meets(other, low)) continue;
         --count;
-        sets.join(edges[n][2], edges[n - 1][2]);
+        sets.join(other[2], one[2]);
     }
     return count;
 }
 
 /// Whether an edge has a part in the cell.
-bool Slab::meets(const std::array<std::uint32_t, 3>& edge, const Vec3& low) const {
+bool Slab::meets(const Edge& edge, const Vec3& low) const {
     const Vec3 &p = positions_[edge[0]], &q = positions_[edge[1]];
     double from = 0, to = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -44,13 +44,14 @@ public:
 
 private:
     class Polygon;
+    using Edge = std::array<std::uint32_t, 3>;  ///< its vertices, and a place among a cell's faces
 
     std::size_t index(std::int64_t i, std::int64_t j) const { return static_cast<std::size_t>(j * counts_[0] + i); }
     void add_cells(const std::array<Vec3, 3>& corners, std::uint32_t face);
     void add(const Polygon& part, const std::array<std::int64_t, 3>& cell, std::uint32_t face, std::size_t moved);
-    CutCell row(std::int64_t i, std::int64_t j, const CellSums& sums) const;
-    std::uint32_t pieces(std::span<const std::uint32_t> faces, const Vec3& low) const;
-    bool meets(const std::array<std::uint32_t, 3>& edge, const Vec3& low) const;
+    CutCell row(std::int64_t i, std::int64_t j, const CellSums& sums);
+    std::uint32_t pieces(std::span<const std::uint32_t> faces, const Vec3& low);
+    bool meets(const Edge& edge, const Vec3& low) const;
 
     std::span<const Triangle> triangles_;
     std::span<const Vec3> positions_;
@@ -59,6 +60,7 @@ private:
     std::array<std::int64_t, 3> counts_, first_{};
     Sections x_{0, 2, 1}, y_{1, 2, 0}, z_{2, 0, 1};
     FewItems<CellSums> cells_;
+    std::vector<Edge> edges_;  // of pieces()
 };
 
 /// The axis across which a triangle lies in a plane between cells, if its surface goes to the cell below; else 3.

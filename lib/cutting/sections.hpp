@@ -153,6 +153,10 @@ public:
 
     /// The integrals over the section in a cell's low face.
     std::array<double, 3> at(std::int64_t plane, std::int64_t side, std::int64_t along) const;
+    /// Whether most of the edge is solid on the high side of a cell's low face.
+    bool is_edge_solid(std::int64_t plane, std::int64_t side, std::int64_t along) const {
+        return lines_.length(line(plane, side), static_cast<std::size_t>(along)) > 0.5;
+    }
     std::size_t side() const { return side_; }
     std::size_t along() const { return along_; }
 
