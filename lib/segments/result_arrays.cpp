@@ -19,8 +19,8 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, const Index
     memory.add(given.device, range(), targets::MappedMemory::Use::write, std::string("items of ") + name);
 }
 
-ResultArray ResultArray::on_host(const OutputArray& given, const char* name, const Index3& size,
-                                 std::size_t components, std::initializer_list<ElementType> types, bool are_fields) {
+ResultArray ResultArray::on_host(const OutputArray& given, const char* name, const Index3& size, std::size_t components,
+                                 std::initializer_list<ElementType> types, bool are_fields) {
     if (given.device != nullptr)
         throw Error(ErrorCode::unsupported,
                     fmt::format("{} is memory of a device, and the host writes it; give it memory of the host", name));

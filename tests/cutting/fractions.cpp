@@ -334,7 +334,10 @@ BOOST_AUTO_TEST_CASE(solid_and_fluid_are_the_cell) {
     std::size_t full = 0;
     for (std::size_t k = 0; k < nz; ++k)
         for (std::size_t j = 0; j < ny; ++j)
-            for (std::size_t i = 0; i < nx; ++i) full += solid.is_full(i, j, k) + fluid.is_full(i, j, k);
+            for (std::size_t i = 0; i < nx; ++i) {
+                full += solid.is_full(i, j, k) ? 1U : 0U;
+                full += fluid.is_full(i, j, k) ? 1U : 0U;
+            }
     BOOST_TEST(full + solid.cells.size() == nx * ny * nz);
 }
 
@@ -471,9 +474,9 @@ BOOST_AUTO_TEST_CASE(dense_arrays_are_the_rows) {
         FractionTargets& to = requests.emplace_back(FractionRequest{grids[n], {}}).targets;
         const auto array = [](std::vector<double>& values, std::size_t items, std::size_t components) {
             values.assign(items * components, -7);
-            OutputArray array = values;
-            if (components > 1) array.component_stride = static_cast<std::ptrdiff_t>(items * sizeof(double));
-            return array;
+            OutputArray to_values = values;
+            if (components > 1) to_values.component_stride = static_cast<std::ptrdiff_t>(items * sizeof(double));
+            return to_values;
         };
         fab.types.assign(cells, 9);
         fab.pieces.assign(cells, 9);

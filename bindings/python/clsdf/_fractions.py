@@ -49,8 +49,9 @@ class Fractions(NamedTuple):
         for axis in range(3):
             field = np.empty([n + (d == 2 - axis) for d, n in enumerate(self.full.shape)])
             for side in (0, 1):
-                shifted = tuple(slice(side, side + n) if d == 2 - axis else slice(None) for d, n in enumerate(self.full.shape))
-                field[shifted] = self.full
+                shifted = [slice(None)] * 3
+                shifted[2 - axis] = slice(side, side + self.full.shape[2 - axis])
+                field[tuple(shifted)] = self.full
             for side in (0, 1):
                 z, y, x = (place + (side if d == 2 - axis else 0) for d, place in enumerate(places))
                 field[z, y, x] = self.face_fractions[:, 2 * axis + side]

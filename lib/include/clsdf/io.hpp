@@ -139,11 +139,11 @@ CLSDF_EXPORT void write_links(const Links& links, const Grid& grid, std::span<co
 /// `x_counts`, the same of y and z (z first), and the others as above.
 CLSDF_EXPORT void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path,
                                   const FaceGroups* groups = nullptr);
-/// Writes fractions of cells: .npz or .h5, with a row for each cell that the surface meets (`cells`, `pieces`, `volume`,
-/// `centroid`, `area`, `vector_area`, `surface_centroid`, `face_fractions`, `face_centroids`), `full` (a byte for each
-/// cell, z first) and the grid as above; or .vti, with arrays of all cells: `volume`, `type` (CellType), `pieces`,
-/// `area`, `vector_area`, `centroid`, `surface_centroid`. Complete or not at all. Throws Error(output_failure),
-/// Error(unsupported) for another ending.
+/// Writes fractions of cells: .npz or .h5, with a row for each cell that the surface meets (`cells`, `pieces`,
+/// `volume`, `centroid`, `area`, `vector_area`, `surface_centroid`, `face_fractions`, `face_centroids`), `full` (a byte
+/// for each cell, z first) and the grid as above; or .vti, with arrays of all cells: `volume`, `type` (CellType),
+/// `pieces`, `area`, `vector_area`, `centroid`, `surface_centroid`. Complete or not at all. Throws
+/// Error(output_failure), Error(unsupported) for another ending.
 CLSDF_EXPORT void write_fractions(const Fractions& found, const std::string& path);
 /// Each throws Error(unsupported) if the file's ending is another one.
 CLSDF_EXPORT void check_fractions_path(const std::string& path);
