@@ -124,9 +124,10 @@ points::PointInputs DistanceTransform::State::inputs_of_few(OutputSet outputs, s
     const Stopwatch watch;
     points::PointInputs inputs = point_inputs(outputs, count, true);
     kept_points->remember(inputs, outputs);
-    running.statistics.polyhedra_seconds = watch.seconds();
+    // A scene asks for several meshes in one call.
+    running.statistics.polyhedra_seconds += watch.seconds();
     pool->trim();
-    running.statistics.device_bytes = pool->peak();
+    running.statistics.device_bytes += pool->peak();
     return inputs;
 }
 

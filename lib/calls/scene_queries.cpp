@@ -133,17 +133,24 @@ private:
     std::vector<Vec3> copy_;
 };
 
+/// Calls use(begin, count) for consecutive parts of [0, all); between them the call may be stopped.
+template <typename Use>
+void for_each_batch(std::size_t all, calls::RunningCall& running, const Use& use) {
+    constexpr std::size_t most = std::size_t{1} << 14;
+    for (std::size_t begin = 0; begin < all; begin += most) {
+        running.throw_if_stopped();
+        running.report({.fraction = static_cast<double>(begin) / static_cast<double>(all)});
+        use(begin, std::min(most, all - begin));
+    }
+}
+
 /// Computes results batch after batch: answer(begin, count, arrays) into packed arrays.
 template <typename Answer>
 scenes::UnusableOfScene in_batches(const targets::HostTargets& targets, std::size_t all, calls::RunningCall& running,
                                    const Answer& answer) {
-    constexpr std::size_t most = std::size_t{1} << 14;
     scenes::UnusableOfScene unusable;
     targets::OwnArrays own;
-    for (std::size_t begin = 0, count = 0; begin < all; begin += count) {
-        running.throw_if_stopped();
-        running.report({.fraction = static_cast<double>(begin) / static_cast<double>(all)});
-        count = std::min(most, all - begin);
+    for_each_batch(all, running, [&](std::size_t begin, std::size_t count) {
         const targets::HostArrays arrays =
             targets.are_packed ? targets::arrays_from(begin, targets.arrays) : own.for_samples(targets.arrays, count);
         const scenes::UnusableOfScene found = answer(begin, count, arrays);
@@ -153,7 +160,7 @@ scenes::UnusableOfScene in_batches(const targets::HostTargets& targets, std::siz
         }
         unusable.count += found.count;
         if (!targets.are_packed) targets.store(targets::row_of(count, begin), arrays);
-    }
+    });
     return unusable;
 }
 
@@ -310,9 +317,12 @@ void Scene::contains(const InputArray& points, std::span<std::uint8_t> is_inside
         const PositionArray positions(memory.mapped(points));
         calls::RunningCall running{call};
         const State::Call searched(state, {}, points.count, running);
-        scenes::SceneArrays results;
-        results.is_inside = is_inside.data();
-        scenes::answer_points(searched.scene(), positions.get(), 0, results);
+        const std::span<const Vec3> all = positions.get();
+        for_each_batch(all.size(), running, [&](std::size_t begin, std::size_t count) {
+            scenes::SceneArrays results;
+            results.is_inside = is_inside.data() + begin;
+            scenes::answer_points(searched.scene(), all.subspan(begin, count), 0, results);
+        });
         memory.unmap();
         running.finish();
     });
@@ -363,7 +373,13 @@ void Scene::classify(std::span<const Box> boxes, double half_width, std::span<Bo
             for (std::size_t i = 0; i < boxes.size(); ++i) {
                 if (places[i] == BoxPlace::inside) continue;
                 const bool is_moved = body.frame.is_turned || body.frame.translation != Vec3{};
-                in_body.push_back(is_moved ? body.frame.to_body(boxes[i]) : boxes[i]);
+                const Box box = is_moved ? body.frame.to_body(boxes[i]) : boxes[i];
+                if (!std::isfinite(box.lower[0] + box.lower[1] + box.lower[2] + box.upper[0] + box.upper[1] +
+                                   box.upper[2])) {
+                    places[i] = BoxPlace::within;  // so large that it meets everything
+                    continue;
+                }
+                in_body.push_back(box);
                 numbers.push_back(i);
             }
             of_body.resize(in_body.size());

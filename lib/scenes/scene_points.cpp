@@ -3,6 +3,7 @@
 #include "core/floating_point.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
+#include "core/vectors.hpp"
 #include "points/curve_order.hpp"
 #include "points/point_run.hpp"
 #include "points/signs_by_host.hpp"
@@ -38,7 +39,8 @@ struct Found {
     std::uint32_t body = no_body;  ///< whose value is the least, or inside which the point lies beyond the half width
     std::uint32_t face = CLSDF_NO_FACE;
     std::uint8_t sign = CLSDF_POINT_OUTSIDE;
-    double not_searched = infinity;  ///< the least distance from the box of a body that is too far to be searched
+    bool is_left_out = false;        ///< a body is too far away to be searched
+    double not_searched = infinity;  ///< the least distance from the boxes of such bodies
 
     bool is_inside() const { return sign == CLSDF_POINT_INSIDE; }
 };
@@ -71,6 +73,22 @@ void take(const OfBody& of_body, double unit, std::uint32_t body, Found& found) 
 
 const engine::PointMesh& mesh_of(const SearchedBody& body) {
     return *body.shape->inputs.on_host;
+}
+
+double largest_of(const Vec3& p) {
+    return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+}
+
+/// The largest coordinate of a body, in its own frame and of its translation.
+double largest_of(const SearchedBody& body) {
+    const Box& box = mesh_of(body).box;
+    return std::max({largest_of(box.lower), largest_of(box.upper), largest_of(body.frame->translation)});
+}
+
+/// Whether all that lies in a box is farther from a point than a computed distance, whatever that was rounded by.
+bool is_farther(const Box& box, const Vec3& p, double distance) {
+    const double largest = std::max({largest_of(box.lower), largest_of(box.upper), largest_of(p)});
+    return distance_to(box, p) * (1 - 1e-13) - 1e-14 * largest > distance;
 }
 
 bool is_usable(const SearchedBody& body, const Vec3& in_body) {
@@ -277,7 +295,7 @@ public:
     bool is_usable(std::size_t i) const {
         const double distance = std::min(std::sqrt(std::max(found_[i].value, 0.0)), half_width_);
         return is_finite(points_[i]) &&
-               (found_[i].not_searched == infinity || found_[i].value <= 0 || found_[i].not_searched > distance);
+               (!found_[i].is_left_out || found_[i].value <= 0 || found_[i].not_searched > distance);
     }
 
     /// Whether the value of a point is the distance to the union: closest: of its body.
@@ -285,16 +303,16 @@ public:
         const Found& found = found_[i];
         if (found.value > 0) return true;
         const SearchedBody& own = scene_.bodies[found.body];
-        double largest = 0;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            largest = std::max({largest, std::abs(closest[axis]), std::abs(points_[i][axis])});
+        double largest = std::max(largest_of(own), largest_of(closest));
+        largest = std::max(largest, largest_of(points_[i]));
         // Above the rounding of the closest point.
-        const double rounding = 1e-9 * mesh_of(own).lattice.unit + 1e-13 * largest;
+        const double of_own = 1e-9 * mesh_of(own).lattice.unit, rounding = of_own + 1e-13 * largest;
+        if (is_on_inner_wall(own, points_[i], closest, found.sign, 4 * rounding)) return false;
         bool is_alone = true;
         const auto look = [&](std::uint32_t body) {
             const SearchedBody& other = scene_.bodies[body];
             if (!is_alone || body == found.body || other.shape->inputs.sign == SignRule::none) return;
-            is_alone = !is_in_or_on(other, closest, rounding);
+            is_alone = !is_in_or_on(other, closest, of_own + 1e-13 * std::max(largest, largest_of(other)));
         };
         for (const std::uint32_t body : scene_.with_films) look(body);
         scene_.tree.visit_near(closest, rounding, [&](std::uint32_t body) {
@@ -337,6 +355,7 @@ private:
     double most_of(const Found& found) const { return std::min(half_width_, std::sqrt(std::abs(found.value))); }
 
     static void leave_out(const SearchedBody& body, const Vec3& in_body, Found& found) {
+        found.is_left_out = true;
         found.not_searched = std::min(found.not_searched, distance_to(mesh_of(body).box, in_body) * (1 - 1e-9));
     }
 
@@ -348,7 +367,7 @@ private:
             const Vec3 in_body = searched.frame->to_body(points_[point]);
             const double most = most_of(found);
             if (searched.shape->has_film || engine::contains(searched.shape->sign_box, in_body) ||
-                distance_to(searched.shape->sign_box, in_body) * (1 - 1e-13) > most)
+                is_farther(searched.shape->sign_box, in_body, most))
                 return most;
             if (!scenes::is_usable(searched, in_body)) {
                 leave_out(searched, in_body, found);
@@ -361,12 +380,32 @@ private:
         });
     }
 
+    /// Whether the closest point of a point inside a body has the inside on its other side, too, as a wall has within
+    /// parts that overlap: then it is not on the surface of the union. Looks so far beyond it.
+    static bool is_on_inner_wall(const SearchedBody& body, const Vec3& point, const Vec3& closest, std::uint8_t sign,
+                                 double beyond) {
+        Vec3 along{};
+        for (std::size_t axis = 0; axis < 3; ++axis) along[axis] = closest[axis] - point[axis];
+        const double distance = length(along);
+        if (distance == 0) return sign == CLSDF_POINT_INSIDE;
+        Vec3 on_other_side = closest;
+        for (std::size_t axis = 0; axis < 3; ++axis) on_other_side[axis] += along[axis] * (beyond / distance);
+        const Vec3 in_body = body.frame->to_body(on_other_side);
+        if (!scenes::is_usable(body, in_body)) return false;
+        std::uint32_t near = CLSDF_NO_FACE;
+        const points::NearestOfPoint nearest = nearest_within(body, in_body, 2 * beyond, near);
+        std::uint8_t sign_there = CLSDF_POINT_UNDECIDED;
+        scenes::find_signs(body, std::span(&in_body, 1), std::span(&nearest.squared, 1), std::span(&sign_there, 1));
+        return sign_there == CLSDF_POINT_INSIDE;
+    }
+
     static bool is_in_or_on(const SearchedBody& body, const Vec3& point, double rounding) {
         const Vec3 in_body = body.frame->to_body(point);
         if (!scenes::is_usable(body, in_body)) return false;
         std::uint32_t near = CLSDF_NO_FACE;
         const points::NearestOfPoint nearest = nearest_within(body, in_body, rounding, near);
-        if (nearest.face != CLSDF_NO_FACE) return true;
+        const double most = rounding / mesh_of(body).lattice.unit;
+        if (nearest.face != CLSDF_NO_FACE && nearest.squared <= most * most) return true;
         std::uint8_t sign = CLSDF_POINT_UNDECIDED;
         scenes::find_signs(body, std::span(&in_body, 1), std::span(&nearest.squared, 1), std::span(&sign, 1));
         return sign != CLSDF_POINT_OUTSIDE;

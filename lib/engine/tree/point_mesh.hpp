@@ -31,10 +31,10 @@ namespace clsdf::engine {
 /// Error(invalid_argument) if a float cannot hold the unit.
 LatticeView lattice_for_points(const Box& box, const std::string& name);
 
-/// Whether a closed box contains the point.
+/// Whether a closed box contains the point; false if a coordinate is not a number.
 inline bool contains(const Box& box, const Vec3& p) {
     for (std::size_t axis = 0; axis < 3; ++axis)
-        if (p[axis] < box.lower[axis] || p[axis] > box.upper[axis]) return false;
+        if (!(p[axis] >= box.lower[axis] && p[axis] <= box.upper[axis])) return false;
     return true;
 }
 
