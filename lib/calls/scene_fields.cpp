@@ -221,10 +221,10 @@ CallStatistics Scene::State::compute(const Request& request, const CallOptions& 
         const DistanceTransform& transform = placed(body);
         const Request asked{part.grid, band_of_body(band, transform.sign()), targets_of(values, count)};
         const double next = done + static_cast<double>(count) / all;
-        CallOptions options = calls::part_of(call, done, next);
-        options.wait_list = {};
+        CallOptions of_body = calls::part_of(call, done, next);
+        of_body.wait_list = {};
         add_statistics(running.statistics,
-                       detail::TransformAccess::state(transform).compute(std::span(&asked, 1), options));
+                       detail::TransformAccess::state(transform).compute(std::span(&asked, 1), of_body));
         if (is_in_place)
             least.begin_with(part.body);
         else
