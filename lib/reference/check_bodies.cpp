@@ -53,8 +53,17 @@ void judge_sample(const std::list<JudgedBody>& bodies, const Index3& index, Tall
         TrueSample truth;
     };
     std::vector<Candidate> near;
-    for (const JudgedBody& body : bodies)
-        if (const auto truth = body.at(index)) near.push_back({&body, *truth});
+    // The least value, if all bodies whose sign is in doubt do not have the sample inside.
+    double least = std::numeric_limits<double>::infinity();
+    for (const JudgedBody& body : bodies) {
+        const auto truth = body.at(index);
+        if (!truth) continue;
+        near.push_back({&body, *truth});
+        least = std::min(least, truth->in_doubt ? truth->distance : truth->signed_distance());
+        if (!truth->in_doubt) continue;
+        near.push_back({&body, *truth});
+        near.back().truth.inside = !truth->inside;
+    }
     if (near.empty()) {
         // Beyond the band of all.
         TrueSample far;
@@ -63,7 +72,6 @@ void judge_sample(const std::list<JudgedBody>& bodies, const Index3& index, Tall
         return;
     }
     std::ranges::stable_sort(near, {}, [](const Candidate& c) { return c.truth.signed_distance(); });
-    const double least = near.front().truth.signed_distance();
     const double allowed = std::isfinite(least) ? near.front().body->judge.tolerance(std::fabs(least)) : 0;
     Tally first;
     for (std::size_t i = 0; i < near.size() && near[i].truth.signed_distance() <= least + allowed; ++i) {

@@ -135,7 +135,8 @@ BOOST_AUTO_TEST_CASE(the_reference_finds_no_fault_and_finds_faults_that_are_made
     for (const std::uint64_t seed : {3U, 10U, 21U, 34U}) {
         const RandomScene random(seed);
         std::vector<reference::PlacedBody> bodies;
-        for (const BodyOfTest& body : random.bodies) bodies.push_back(placed(*body.mesh, body.pose, body.sign));
+        for (std::uint32_t i = 0; i < random.bodies.size(); ++i)
+            bodies.push_back(placed(*random.bodies[i].mesh, random.bodies[i].pose, random.scene.sign(i)));
         const Grid grid = grid_around(random.scene, 16);
         Field field = random.scene.compute(grid, Band::symmetric(2.5 * grid.voxel()), every_output());
         const reference::CheckReport report = reference::check(bodies, field, {.samples = 0});
@@ -186,7 +187,8 @@ BOOST_AUTO_TEST_CASE(instances_and_bodies_that_are_off) {
     std::vector<Pose> poses;
     for (int i = 0; i < 6; ++i) poses.push_back(at({0, 0, i == 3 ? 0.0 : 100.0}));
     scene.set_poses(poses);
-    std::vector<Vec3> larger(cube(2).vertices().begin(), cube(2).vertices().end());
+    const Mesh large = cube(2);
+    const std::vector<Vec3> larger(large.vertices().begin(), large.vertices().end());
     scene.set_positions(first, larger);
     scene.compute(grid, Band::symmetric(1), {{Output::distance, distance}, {Output::body, body}});
     BOOST_TEST(distance[0] == -1);
@@ -225,7 +227,7 @@ BOOST_AUTO_TEST_CASE(signs_alone_and_exact_signs_are_those_of_the_union) {
                  [&] { scene.compute(grid, Band::symmetric(1).with_exact_signs()); });
 }
 
-BOOST_AUTO_TEST_CASE(strides_doubles_and_memory_of_the_device) {
+BOOST_AUTO_TEST_CASE(strides_doubles_and_overlaps) {
     Random random(5);
     Scene scene(test_device());
     const std::uint32_t first = scene.add(make_shape("torus"));
@@ -261,12 +263,14 @@ BOOST_AUTO_TEST_CASE(strides_doubles_and_memory_of_the_device) {
         }
     }
     BOOST_TEST(wrong == 0U);
-    std::vector<float> distance(grid.sample_count());
-    check_throws(ErrorCode::invalid_argument, {"distance"}, [&] {
-        scene.compute(grid, band, {{Output::distance, distance}, {Output::body, OutputArray(distance.data())}});
+    std::vector<std::uint32_t> body(grid.sample_count());
+    OutputArray overlapping(body);
+    overlapping.type = ElementType::float32;
+    check_throws(ErrorCode::invalid_argument, {"distance", "body"}, [&] {
+        scene.compute(grid, band, {{Output::distance, overlapping}, {Output::body, body}});
     });
     check_throws(ErrorCode::invalid_argument, {"distance has no target"}, [&] {
-        scene.compute(grid, band, OutputTargets{{Output::body, OutputArray(distance.data())}});
+        scene.compute(grid, band, OutputTargets{{Output::body, body}});
     });
 }
 

@@ -1,5 +1,6 @@
 // libclsdf_c_io: files of fields. Messages are kept by libclsdf_c.
 #include "handles.hpp"
+#include "index_base.hpp"
 #include "values.hpp"
 
 #include <clsdf_io.h>

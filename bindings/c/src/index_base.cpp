@@ -3,7 +3,6 @@
 #include "core/parallel.hpp"
 #include "errors.hpp"
 
-#include <algorithm>
 #include <cstring>
 #include <string>
 
@@ -104,19 +103,6 @@ void set_base(std::int32_t base, const OutputArray& triangles, std::size_t rays,
 
 void set_base(std::int32_t base, std::span<std::uint32_t> numbers) {
     if (base != 0) shift(std::as_writable_bytes(numbers).data(), {}, {static_cast<std::int64_t>(numbers.size()), 1, 1});
-}
-
-FieldSlab ShiftedValues::operator()(FieldSlab values, std::int32_t by) {
-    const auto set = [&](Output output, std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& own) {
-        if (by == 0 || numbers.empty()) return;
-        own.resize(numbers.size());
-        std::ranges::transform(numbers, own.begin(),
-                               [&](std::uint32_t number) { return number + static_cast<std::uint32_t>(by); });
-        values.set(output, own);
-    };
-    set(Output::triangle, values.triangle(), triangles_);
-    set(Output::body, values.body(), bodies_);
-    return values;
 }
 
 }  // namespace clsdf::c

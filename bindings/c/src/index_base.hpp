@@ -4,6 +4,7 @@
 #include <clsdf/field.hpp>
 #include <clsdf/outputs.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -34,5 +35,18 @@ public:
 private:
     std::vector<std::uint32_t> triangles_, bodies_;
 };
+
+inline FieldSlab ShiftedValues::operator()(FieldSlab values, std::int32_t by) {
+    const auto set = [&](Output output, std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& own) {
+        if (by == 0 || numbers.empty()) return;
+        own.resize(numbers.size());
+        std::ranges::transform(numbers, own.begin(),
+                               [&](std::uint32_t number) { return number + static_cast<std::uint32_t>(by); });
+        values.set(output, own);
+    };
+    set(Output::triangle, values.triangle(), triangles_);
+    set(Output::body, values.body(), bodies_);
+    return values;
+}
 
 }  // namespace clsdf::c
