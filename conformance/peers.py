@@ -19,7 +19,7 @@ import sys
 HERE = pathlib.Path(__file__).parent
 sys.path.insert(0, str(HERE))
 
-# What is installed for the programs; python3-openvdb is Debian's.
+# What is installed for the programs; python3-openvdb is Debian's. pysdf is compiled, with Eigen's headers: by hand, if at all.
 requirements = """numpy==2.4.6 trimesh==5.2.0 rtree==1.4.1 scipy embreex==4.4.0.post1 libigl==2.6.3 open3d==0.20.0
 point-cloud-utils==0.34.0 fcpw==1.2.0 nanobind-backend vtk==9.7.1 warp-lang==1.19.0 cgal==6.0.1.post202410241521
 pymeshlab==2025.7.post1 gpytoolbox==0.3.8 drake==1.51.1""".split()
@@ -219,7 +219,12 @@ def drake_query(vertices, faces):
     pathlib.Path(file.name).unlink()
     context = graph.CreateDefaultContext()
     query_object = graph.get_query_output_port().Eval(context)
-    return lambda points: numpy.array([query_object.ComputeSignedDistanceToPoint(point)[0].distance for point in points])
+
+    def query(points):
+        return numpy.array([query_object.ComputeSignedDistanceToPoint(point)[0].distance for point in points])
+
+    query.keep = graph, context
+    return query
 
 
 def openvdb_level_set(vertices, faces):
