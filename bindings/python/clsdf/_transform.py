@@ -21,7 +21,8 @@ from ._devices import device_of
 from ._error import Error, MeshWarning
 from ._frames import Motion, frame_of, into_frame, motion_of, out_of_frame, vectors
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
-from ._points import arrays_for, by_limit, in_floats, in_numbers, limit_each, limit_of, limits_of, on_host, on_surface, pairs_of, rows_of
+from ._points import arrays_for, by_limit, in_floats, in_numbers, limit_each, limit_of, limits_of, on_host, on_surface
+from ._points import pairs_of, rows_of
 from ._progress import Progress, ProgressFunction, shown
 from ._turns import taken
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, wanted
@@ -173,7 +174,9 @@ class Transform:
         self._device_name = ""
         self._moves = threading.RLock()  # a handler of signals that moves the body gets the extension's error
 
-    def _turn(self, progress: Progress, kind: str, names: Iterable[str] = ()) -> AbstractContextManager[ProgressFunction | None]:
+    def _turn(
+        self, progress: Progress, kind: str, names: Iterable[str] = ()
+    ) -> AbstractContextManager[ProgressFunction | None]:
         """shown(), of a call that may compile."""
         if not self._device_name:
             self._device_name = f"{self.device.name} ({self.device.platform})"
