@@ -31,10 +31,13 @@ def rows_of(points: Any) -> tuple[Any, tuple[int, ...]]:
     return points.reshape(math.prod(shape[:-1]), 3), shape[:-1]
 
 
-def in_floats(points: Any, name: str = "points", remedy: str = "clsdf.torch.signed_distance(body, points) gives it, or ") -> Any:
+def in_floats(
+    points: Any, name: str = "points", remedy: str = "clsdf.torch.signed_distance(body, points) gives it, or "
+) -> Any:
     """Points of any package. Whole numbers become doubles; a tensor that requires a gradient is refused."""
     if not isinstance(points, np.ndarray):
         points = _meshes.as_array(points, np.float64)
+    if not isinstance(points, np.ndarray):
         _meshes.refuse_graph(name, points, remedy)
         if "int" in str(getattr(points, "dtype", "int")) and not _cuda.is_in_cuda(points) and not hasattr(points, "base_data"):
             points = on_host(points)

@@ -20,7 +20,8 @@ from ._devices import device_of
 from ._error import Error, MeshWarning
 from ._frames import Motion, frame_of, into_frame, motion_of, out_of_frame, vectors
 from ._lengths import BandLike, LengthLike, band_on, parse_band, parse_length
-from ._points import arrays_for, by_limit, in_floats, in_numbers, limit_each, limit_of, limits_of, on_host, on_surface, pairs_of, rows_of
+from ._points import arrays_for, by_limit, in_floats, in_numbers, limit_each, limit_of, limits_of, on_host, on_surface
+from ._points import pairs_of, rows_of
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, wanted
 from ._field import Field
@@ -153,6 +154,8 @@ class Transform(WithFields):
         self._motion: Any = None
         self._regions: Any = None
         self._moves = threading.RLock()  # a handler of signals that moves the body gets the extension's error
+
+    # Copies.
 
     def _state(self) -> tuple[Any, ...]:
         with self._moves:
