@@ -167,8 +167,11 @@ Asked read_bodies(const Options& options, Report& report) {
     const SceneMeshes meshes = read_meshes(file, options.reading, report);
     for (std::size_t i = 0; i < file.bodies.size(); ++i) {
         const SceneFile::Body& body = file.bodies[i];
-        asked.bodies.push_back(
-            {placed(meshes.meshes[meshes.mesh_of[i]], body.pose), body.of ? asked.bodies[*body.of].sign : body.sign});
+        const clsdf::Mesh& mesh = meshes.meshes[meshes.mesh_of[i]];
+        // The mesh as given decides the rule.
+        const clsdf::SignRule sign =
+            body.of ? asked.bodies[*body.of].sign : resolve_sign_rule(body.sign, describe_topology(mesh)).rule;
+        asked.bodies.push_back({placed(mesh, body.pose), sign});
     }
     return asked;
 }
