@@ -17,7 +17,9 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 using namespace clsdf;
@@ -71,7 +73,8 @@ void check_names(const Mesh& mesh, const Field& field, std::size_t count) {
         const std::uint32_t triangle = field.triangle()[i];
         const std::uint8_t site = field.site()[i];
         const Vec3 closest{field.closest()[3 * i], field.closest()[3 * i + 1], field.closest()[3 * i + 2]};
-        const double w1 = field.barycentric()[2 * i], w2 = field.barycentric()[2 * i + 1];
+        const auto w1 = static_cast<double>(field.barycentric()[2 * i]),
+                   w2 = static_cast<double>(field.barycentric()[2 * i + 1]);
         const std::array<double, 3> weights{1 - w1 - w2, w1, w2};
         std::size_t zeros = 0, ones = 0;
         for (const double weight : weights) {
@@ -101,6 +104,50 @@ void check_names(const Mesh& mesh, const Field& field, std::size_t count) {
     BOOST_TEST(found[on_cut] > 20U);
     BOOST_TEST(found[3] + found[4] + found[5] > 20U);
     BOOST_TEST(found[0] + found[1] + found[2] > 5U);
+}
+
+/// An icosahedron in the unit sphere whose faces are divided into four, so many times.
+Mesh icosphere(int divisions) {
+    const double golden = (1 + std::sqrt(5.0)) / 2;
+    std::vector<Vec3> vertices;
+    for (const double one : {-1.0, 1.0})
+        for (const double other : {-golden, golden})
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                Vec3 vertex{};
+                vertex[axis] = one;
+                vertex[(axis + 1) % 3] = other;
+                vertices.push_back(vertex);
+            }
+    std::vector<Triangle> triangles;
+    for (std::uint32_t a = 0; a < 12; ++a)
+        for (std::uint32_t b = a + 1; b < 12; ++b)
+            for (std::uint32_t c = b + 1; c < 12; ++c) {
+                const Vec3 &p = vertices[a], &q = vertices[b], &r = vertices[c];
+                if (apart(p, q) > 2.1 || apart(q, r) > 2.1 || apart(p, r) > 2.1) continue;
+                const bool is_outwards = dot(cross(difference(q, p), difference(r, p)), p) > 0;
+                triangles.push_back(is_outwards ? Triangle{a, b, c} : Triangle{a, c, b});
+            }
+    for (int division = 0; division < divisions; ++division) {
+        std::vector<Triangle> divided;
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+        const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+            const auto [place, is_new] =
+                middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(vertices.size()));
+            if (is_new) {
+                Vec3 sum{};
+                for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] = vertices[a][axis] + vertices[b][axis];
+                const double scale = std::sqrt(1 + golden * golden) / length(sum);
+                vertices.push_back({scale * sum[0], scale * sum[1], scale * sum[2]});
+            }
+            return place->second;
+        };
+        for (const auto& [a, b, c] : triangles) {
+            const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+            divided.insert(divided.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+        }
+        triangles = std::move(divided);
+    }
+    return scaled({std::move(vertices), std::move(triangles), "icosphere"}, 1 / std::sqrt(1 + golden * golden));
 }
 
 Field of_points(const DistanceTransform& transform, const Grid& grid) {
@@ -134,7 +181,8 @@ BOOST_AUTO_TEST_CASE(fields_and_points_of_two_boxes) {
             }
             const double expected = (is_inside ? -1 : 1) * cells.distance(samples[i]);
             for (const Field* found : {&field, &points})
-                if (std::abs(found->distance()[i] - expected) > 2e-6 * std::abs(expected) + 1e-7) ++wrong;
+                if (std::abs(static_cast<double>(found->distance()[i]) - expected) > 2e-6 * std::abs(expected) + 1e-7)
+                    ++wrong;
         }
         BOOST_TEST(wrong == 0U);
         check_names(mesh, field, samples.size());
@@ -177,10 +225,14 @@ BOOST_AUTO_TEST_CASE(they_are_those_of_its_mesh) {
     for (std::int64_t k = 0; k < grid.size[2]; ++k)
         for (std::int64_t j = 0; j < grid.size[1]; ++j)
             for (std::int64_t i = 0; i < grid.size[0]; ++i)
-                if (const auto at = sparse.find({grid.first[0] + i, grid.first[1] + j, grid.first[2] + k})) {
+                if (const auto brick = sparse.find({grid.first[0] + i, grid.first[1] + j, grid.first[2] + k})) {
                     const std::size_t in_field = grid.offset(i, j, k);
-                    are_same = are_same && sparse.triangle()[*at] == field.triangle()[in_field] &&
-                               sparse.site()[*at] == field.site()[in_field];
+                    const auto in_brick = [&](std::size_t axis, std::int64_t n) {
+                        return static_cast<std::size_t>((grid.first[axis] + n) & 7);
+                    };
+                    const std::size_t at = 512 * *brick + in_brick(0, i) + 8 * in_brick(1, j) + 64 * in_brick(2, k);
+                    are_same = are_same && sparse.triangle()[at] == field.triangle()[in_field] &&
+                               sparse.site()[at] == field.site()[in_field];
                 }
     BOOST_TEST(are_same);
 
@@ -213,19 +265,19 @@ BOOST_AUTO_TEST_CASE(they_are_those_of_its_mesh) {
 
 // Box and sphere of 1,280 faces: cubic millimetres within 2 mm inside, by samples 1 mm apart.
 BOOST_AUTO_TEST_CASE(a_sphere_sunken_in_a_box) {
-    const Mesh sphere = make_shape("sphere3");
-    BOOST_TEST(sphere.triangles().size() == 1280U);
+    const Mesh sphere = icosphere(3);
+    BOOST_REQUIRE(sphere.triangles().size() == 1280U);
     Grid grid;
-    grid.origin = {-32, -22, -20};
-    grid.size = {65, 45, 66};
+    grid.origin = {-30.487, -20.487, -10.487};
+    grid.size = {62, 42, 56};
     for (const auto& [z, expected, as_given] : {std::array{10, 17713, 27844}, {20, 20409, 25351}, {24, 21775, 23846}}) {
         const Mesh mesh = together(
             {test::box({-30, -20, -10}, {30, 20, 10}), shifted(scaled(sphere, 18), {0, 0, static_cast<double>(z)})},
             "sunken sphere");
         const auto volume = [&](Surface surface) {
             const Field field =
-                DistanceTransform(test_device(), mesh, {.surface = surface}).compute(grid, Band::full());
-            return std::ranges::count_if(field.distance(), [](float d) { return d < 0 && d >= -2; });
+                DistanceTransform(test_device(), mesh, {.surface = surface}).compute(grid, Band::symmetric(3));
+            return std::ranges::count_if(field.distance(), [](float d) { return d < 0 && d > -2; });
         };
         BOOST_TEST(volume(Surface::outer) == expected);
         BOOST_TEST(volume(Surface::given) == as_given);
@@ -323,9 +375,6 @@ BOOST_AUTO_TEST_CASE(what_has_no_outer_surface_is_refused) {
     check_throws(ErrorCode::unsupported, {"nonzero or parity", "none"}, [&] { make(cube(1), SignRule::none); });
     check_throws(ErrorCode::unsupported, {"nonzero or parity", "close_down"}, [&] { make(open, SignRule::automatic); });
     check_throws(ErrorCode::invalid_mesh, {"nonzero"}, [&] { make(open, SignRule::nonzero); });
-    check_throws(ErrorCode::invalid_mesh, {"nothing is inside"}, [&] {
-        make(together({cube(1), reversed(cube(1))}, "cancelled"), SignRule::nonzero);
-    });
     check_throws(ErrorCode::unsupported, {"clsdf::papers", "outer()"},
                  [&] { make_transform(test_device(), cube(1), {.polyhedra = Polyhedra::mauch}, of_outer); });
     BOOST_TEST(std::string(name_of(Surface::outer)) == "outer");

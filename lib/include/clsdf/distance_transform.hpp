@@ -112,6 +112,9 @@ public:
     /// call returns. If a GPU has made the topology, they do not come to the host until a call of the host needs them,
     /// unless vertices are joined for the sign.
     ///
+    /// With Surface::outer faces are cut anew, which takes as long as a new transform, and topology() and sign() are
+    /// those of the mesh at these positions. Of `call`, should_stop counts then; it also throws as outer() does.
+    ///
     /// Throws Error(invalid_argument) if the number of positions differs, for memory that is missing, too small or of
     /// another context, if vertices that had equal coordinates, and count as one, move apart, or if one moves down to
     /// the floor of the sign rule `below`; Error(invalid_mesh) if a vertex in use is not finite; Error(unsupported) for

@@ -14,7 +14,8 @@ namespace clsdf {
 enum class Output : std::int32_t {
     distance = 0,     ///< signed, in the mesh's units; always computed
     triangle = 1,     ///< the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it
-    site = 2,         ///< its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
+    site = 2,         ///< its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face; of Surface::outer also
+                      ///< 7, where faces cut each other
     closest = 3,      ///< the position of the closest point, in the mesh's units: doubles
     gradient = 4,     ///< of the signed distance: a unit vector
     barycentric = 5,  ///< of the closest point: the weights of the triangle's vertices 1 and 2
