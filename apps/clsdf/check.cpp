@@ -160,9 +160,9 @@ Asked read_bodies(const Options& options, Report& report) {
         asked.bodies.push_back({read_body(asked.names, options.reading, report)});
         return asked;
     }
-    SignChoice sign;
-    sign.surface = options.surface;
-    refuse_beside_scene(asked.names, sign, {});
+    SignChoice beside;
+    beside.surface = options.surface;
+    refuse_beside_scene(asked.names, beside, {});
     const SceneFile file = read_scene(asked.names.front());
     const SceneMeshes meshes = read_meshes(file, options.reading, report);
     for (std::size_t i = 0; i < file.bodies.size(); ++i) {
