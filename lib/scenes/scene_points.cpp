@@ -3,7 +3,6 @@
 #include "core/floating_point.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
-#include "core/vectors.hpp"
 #include "points/curve_order.hpp"
 #include "points/point_run.hpp"
 #include "points/signs_by_host.hpp"
@@ -307,7 +306,6 @@ public:
         largest = std::max(largest, largest_of(points_[i]));
         // Above the rounding of the closest point.
         const double of_own = 1e-9 * mesh_of(own).lattice.unit, rounding = of_own + 1e-13 * largest;
-        if (is_on_inner_wall(own, points_[i], closest, found.sign, 4 * rounding)) return false;
         bool is_alone = true;
         const auto look = [&](std::uint32_t body) {
             const SearchedBody& other = scene_.bodies[body];
@@ -378,25 +376,6 @@ private:
                  mesh_of(searched).lattice.unit, body, found);
             return most_of(found);
         });
-    }
-
-    /// Whether the closest point of a point inside a body has the inside on its other side, too, as a wall has within
-    /// parts that overlap: then it is not on the surface of the union. Looks so far beyond it.
-    static bool is_on_inner_wall(const SearchedBody& body, const Vec3& point, const Vec3& closest, std::uint8_t sign,
-                                 double beyond) {
-        Vec3 along{};
-        for (std::size_t axis = 0; axis < 3; ++axis) along[axis] = closest[axis] - point[axis];
-        const double distance = length(along);
-        if (distance == 0) return sign == CLSDF_POINT_INSIDE;
-        Vec3 on_other_side = closest;
-        for (std::size_t axis = 0; axis < 3; ++axis) on_other_side[axis] += along[axis] * (beyond / distance);
-        const Vec3 in_body = body.frame->to_body(on_other_side);
-        if (!scenes::is_usable(body, in_body)) return false;
-        std::uint32_t near = CLSDF_NO_FACE;
-        const points::NearestOfPoint nearest = nearest_within(body, in_body, 2 * beyond, near);
-        std::uint8_t sign_there = CLSDF_POINT_UNDECIDED;
-        scenes::find_signs(body, std::span(&in_body, 1), std::span(&nearest.squared, 1), std::span(&sign_there, 1));
-        return sign_there == CLSDF_POINT_INSIDE;
     }
 
     static bool is_in_or_on(const SearchedBody& body, const Vec3& point, double rounding) {

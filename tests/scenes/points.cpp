@@ -1,6 +1,5 @@
 #include "random_scenes.hpp"
 
-#include "support/hostile_meshes.hpp"
 #include "support/throws.hpp"
 
 #include <boost/test/unit_test.hpp>
@@ -127,19 +126,6 @@ BOOST_AUTO_TEST_CASE(a_body_that_has_not_moved_has_the_bytes_of_its_transform) {
                        info.name << " within " << half_width);
         if (half_width == no_limit) BOOST_TEST(statistics.unusable_points == 3U);
     }
-}
-
-BOOST_AUTO_TEST_CASE(a_wall_within_overlapping_parts_of_a_body_is_not_the_unions) {
-    const Mesh mesh = together({box({-1, -1, -1}, {1, 1, 1}), box({0, -0.5, -0.5}, {2, 0.5, 0.5})}, "two boxes");
-    Scene scene(test_device());
-    scene.add(mesh);
-    // The nearest face of the first is the wall x = 0 of the second box, that of the other one is on the union.
-    const std::vector<Vec3> points{{0.1, 0, 0}, {-0.8, 0, 0}};
-    std::vector<float> distance(2);
-    std::vector<std::uint8_t> is_own(2);
-    scene.query(points, no_limit, {{{Output::distance, distance}}, is_own});
-    BOOST_TEST((distance == std::vector{-0.1F, -0.2F}));
-    BOOST_TEST((is_own == std::vector<std::uint8_t>{0, 1}));
 }
 
 BOOST_AUTO_TEST_CASE(results_are_in_the_coordinates_of_the_scene) {

@@ -3,6 +3,7 @@
 #include "structs.hpp"
 
 #include <clsdf/calls.hpp>
+#include <clsdf/distance_transform.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/mesh_files.hpp>
