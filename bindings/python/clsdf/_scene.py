@@ -99,6 +99,8 @@ class Scene(WithFields):
     them.
     """
 
+    _body: _core.Bodies
+
     def __init__(self, *, device: DeviceLike = None, kept_bytes: int | None = None) -> None:
         self._body = _core.make_bodies(device_of(device), _meshes.kept_bytes_of(kept_bytes))
 

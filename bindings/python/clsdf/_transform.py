@@ -118,6 +118,8 @@ class Transform(WithFields):
     signals that comes during the call.
     """
 
+    _body: _core.Body
+
     def __init__(
         self,
         mesh: MeshLike | ArrayLike,
