@@ -254,7 +254,7 @@ BOOST_AUTO_TEST_CASE(closest_points_in_floats_are_refused_and_offsets_are_named_
 BOOST_AUTO_TEST_CASE(numbers_without_an_output_are_refused) {
     const DistanceTransform transform(test_device(), make_shape("cube"));
     const Grid grid{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
-    for (const int number : {-1, 6, 8, 31}) {
+    for (const int number : {-1, 6, 9, 31}) {
         BOOST_TEST_CONTEXT("number " << number) {
             check_throws(ErrorCode::invalid_argument, {}, [&] { info_of(static_cast<Output>(number)); });
             if (number < 0) continue;
@@ -263,6 +263,7 @@ BOOST_AUTO_TEST_CASE(numbers_without_an_output_are_refused) {
         }
     }
     BOOST_TEST(static_cast<int>(info_of(Output::offset).output) == 7);
+    BOOST_TEST(static_cast<int>(info_of(Output::body).output) == 8);
 }
 
 BOOST_AUTO_TEST_CASE(the_offset_leads_from_the_sample_to_the_closest_point) {
