@@ -64,8 +64,7 @@ int main(int argc, char** argv) {
         const auto begin = std::chrono::steady_clock::now();
         const std::clock_t begin_of_processors = std::clock();
         scene.set_poses(poses);
-        scene.query(points, length,
-                    {{{Output::distance, distance}, {Output::closest, closest}, {Output::body, body}}});
+        scene.query(points, length, {{{Output::distance, distance}, {Output::closest, closest}, {Output::body, body}}});
         if (step > 0) {
             seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
             processor_seconds += static_cast<double>(std::clock() - begin_of_processors) / CLOCKS_PER_SEC;

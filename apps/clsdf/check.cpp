@@ -235,8 +235,9 @@ ExitStatus run(const Options& options, Report& report) {
 Command add_check(Parser& program) {
     const auto options = std::make_shared<Options>();
     Parser parser = program.add_subcommand("check", "Compare a field with the reference, in double precision");
-    add_mesh_and_optional_argument(parser, options->mesh, "FIELD", options->more,
-                                   "its field, last: .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf; none with --points");
+    add_mesh_and_optional_argument(
+        parser, options->mesh, "FIELD", options->more,
+        "its field, last: .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf; none with --points");
     add_floor_option(parser, options->floor);
     add_surface_option(parser, options->surface);
     add_weld_option(parser, options->reading);

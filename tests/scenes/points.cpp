@@ -233,7 +233,8 @@ BOOST_AUTO_TEST_CASE(configurations_have_the_bytes_of_poses_and_queries) {
         for (std::size_t n = 0; n < configurations; ++n) {
             other.set_poses(std::span(poses).subspan(3 * n, 3));
             const PointValues one = query(other, points, 1);
-            wrong += std::memcmp(one.distance.data(), &found.distance[n * count], count * sizeof(double)) != 0 ? 1U : 0U;
+            wrong +=
+                std::memcmp(one.distance.data(), &found.distance[n * count], count * sizeof(double)) != 0 ? 1U : 0U;
             wrong += std::memcmp(one.closest.data(), &found.closest[n * count], count * sizeof(Vec3)) != 0 ? 1U : 0U;
             wrong += std::memcmp(one.body.data(), &found.body[n * count], count * sizeof(std::uint32_t)) != 0 ? 1U : 0U;
             wrong += std::memcmp(one.is_own.data(), &found.is_own[n * count], count) != 0 ? 1U : 0U;
@@ -241,9 +242,8 @@ BOOST_AUTO_TEST_CASE(configurations_have_the_bytes_of_poses_and_queries) {
         BOOST_TEST(wrong == 0U);
         BOOST_TEST(scene.pose(1).translation == Vec3{});
         std::vector<double> distance(configurations * count);
-        check_throws(ErrorCode::invalid_argument, {"269 poses and 3 bodies"}, [&] {
-            scene.query_poses(points, std::span(poses).first(269), 1, {distance});
-        });
+        check_throws(ErrorCode::invalid_argument, {"269 poses and 3 bodies"},
+                     [&] { scene.query_poses(points, std::span(poses).first(269), 1, {distance}); });
         poses[7].rotation[0][0] += 1;
         check_throws(ErrorCode::invalid_argument, {"body 1 in configuration 2"},
                      [&] { scene.query_poses(points, poses, 1, {distance}); });

@@ -112,8 +112,8 @@ void query(const Bodies& bodies, nb::handle points, double within, const ArraysB
 }
 
 /// poses: of all bodies for each configuration, one after the other.
-void query_poses(const Bodies& bodies, nb::handle points, const Poses& poses, double within, const ArraysByName& outputs,
-                 nb::handle is_own, nb::object progress, bool refuse_unusable_points) {
+void query_poses(const Bodies& bodies, nb::handle points, const Poses& poses, double within,
+                 const ArraysByName& outputs, nb::handle is_own, nb::object progress, bool refuse_unusable_points) {
     const std::vector<Pose> all = poses_of(poses);
     const std::size_t count = bodies.read([](const Scene& scene) { return scene.size(); });
     Arrays arrays(&bodies.device());

@@ -114,8 +114,9 @@ CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path,
 /// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. The columns are
 /// the distance, the outputs in `wanted`, and every other output whose array is not empty; docs/formats.md describes
 /// them. `wanted` is needed only without points. winding: of the points, for a last column, or empty. groups: of the
-/// mesh, for a column of the numbers of the nearest triangles' groups; needs the output triangle; or null. Throws Error(invalid_argument) if an array does not fit the points,
-/// Error(unsupported) for an unknown ending, Error(output_failure).
+/// mesh, for a column of the numbers of the nearest triangles' groups; needs the output triangle; or null. Throws
+/// Error(invalid_argument) if an array does not fit the points, Error(unsupported) for an unknown ending,
+/// Error(output_failure).
 CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path,
                                OutputSet wanted = {}, std::span<const float> winding = {},
                                const FaceGroups* groups = nullptr);

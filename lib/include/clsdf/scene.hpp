@@ -121,8 +121,8 @@ public:
     /// its mesh if the pose is the identity. So has the field of bodies that are farther from each other than the band
     /// is wide. Takes the time of each body's part of the grid: its box, and the half width outside around it.
     ///
-    /// The field's rule is sign(). Throws as DistanceTransform::compute(); Error(invalid_argument) for a field of signs alone or exact signs if no body has a
-    /// sign.
+    /// The field's rule is sign(). Throws as DistanceTransform::compute(); Error(invalid_argument) for a field of signs
+    /// alone or exact signs if no body has a sign.
     Field compute(const Grid& grid, const Band& band, OutputSet outputs = Output::distance,
                   const CallOptions& call = {}, TransformStatistics* statistics = nullptr) const;
 
@@ -144,9 +144,9 @@ public:
     TransformStatistics query(const InputArray& points, double half_width, const SceneTargets& targets,
                               const CallOptions& call = {}) const;
 
-    /// As query(), for many configurations of the bodies in one call: `poses` has size() of them for each, and arrays have
-    /// an item for each configuration and point, those of a configuration one after the other. Each has the bytes of
-    /// set_poses() and query(). The scene's own poses stay. Also throws Error(invalid_argument) if the poses are no
+    /// As query(), for many configurations of the bodies in one call: `poses` has size() of them for each, and arrays
+    /// have an item for each configuration and point, those of a configuration one after the other. Each has the bytes
+    /// of set_poses() and query(). The scene's own poses stay. Also throws Error(invalid_argument) if the poses are no
     /// multiple of the bodies, and names the configuration and the body of a pose that set_poses() refuses.
     TransformStatistics query_poses(const InputArray& points, std::span<const Pose> poses, double half_width,
                                     const SceneTargets& targets, const CallOptions& call = {}) const;
