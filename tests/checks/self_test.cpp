@@ -317,7 +317,7 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
         {"another site",
          outputs,
          vectors,
-         {by_vector, "(uchar)named.site", "(uchar)(named.site == 4u ? 5u : named.site)"}},
+         {by_vector, "(uchar)told_site(finishing, named)", "(uchar)(named.site == 4u ? 5u : named.site)"}},
         {"coordinates of the sample beside it",
          outputs,
          vectors,
