@@ -27,8 +27,8 @@ struct PairedDirections {
 PairedDirections paired(std::span<const Place> directions);
 
 /// Lines of directions: a place x has the coordinates u, v across the line and k along it, in steps, each linear in
-/// x. Of a step with a component of 2 or more on the axis along which its links are counted, every so many samples
-/// on that axis belong to one lane.
+/// x. A step with a component of n >= 2 on the axis along which its links are counted has n lanes: every n-th sample
+/// on that axis belongs to one.
 struct LineBatch {
     /// Lines that are projected together.
     static constexpr std::size_t lanes = 16;

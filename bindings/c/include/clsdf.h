@@ -613,7 +613,7 @@ typedef struct clsdf_topology {
     int64_t detail_parts;
     int64_t detail_faces;      /* of these parts */
     int64_t first_detail_face; /* the lowest of them */
-    /* Of a transform with CLSDF_SURFACE_OUTER; else 0. */
+    /* Set for a transform with CLSDF_SURFACE_OUTER; else 0. */
     int64_t partial_faces; /* faces of which parts are on the outer surface */
     int64_t hidden_faces;  /* faces that are not on it at all */
 } clsdf_topology;
@@ -1338,12 +1338,12 @@ CLSDF_API clsdf_status clsdf_transform_compile(const clsdf_transform* transform,
 #define CLSDF_WALL_ABOVE 0
 #define CLSDF_WALL_SOLID 1
 #define CLSDF_WALL_FLUID 2
-/* Of the array `types`: without the part, wholly of it, met by the surface. */
+/* Values of the array `types`: a cell without the part, wholly of it, met by the surface. */
 #define CLSDF_CELL_EMPTY 0
 #define CLSDF_CELL_FULL 1
 #define CLSDF_CELL_CUT 2
 
-/* What the numbers of a cell mean. */
+/* The meaning of a cell's numbers. */
 typedef struct clsdf_fraction_options {
     size_t struct_size;
     int32_t part;                /* CLSDF_PART_SOLID ... */

@@ -33,7 +33,7 @@ enum class WallCell : std::int32_t {
     fluid = 2,  ///< the one on the fluid's side: the face is solid
 };
 
-/// What the numbers of a cell mean.
+/// The meaning of a cell's numbers.
 struct FractionOptions {
     CellPart part = CellPart::solid;
     WallCell walls = WallCell::above;

@@ -98,7 +98,7 @@ struct Topology {
     std::size_t detail_faces = 0;  ///< their faces
     std::size_t first_detail_face = 0;  ///< the lowest of them
 
-    /// Of a transform with TransformOptions::surface outer; else 0.
+    /// Set for a transform with TransformOptions::surface outer; else 0.
     std::size_t partial_faces = 0;  ///< faces of which parts are on the outer surface
     std::size_t hidden_faces = 0;   ///< faces that are not on it at all
 };
