@@ -95,9 +95,13 @@ struct __attribute__((visibility("hidden"))) Scene::State {
 
     // scene_queries.cpp
     class Call;
-    /// frames: of all bodies for each configuration, or nothing for the poses that they have.
+    /// frames: of all bodies for each configuration, or nothing for the poses that they have. half_widths: one, or one
+    /// a body.
     CallStatistics query(const InputArray& points, std::optional<std::span<const scenes::Frame>> frames,
-                         double half_width, const SceneTargets& targets, const CallOptions& call);
+                         std::span<const double> half_widths, const SceneTargets& targets, const CallOptions& call);
+    CallStatistics query_pairs(const InputArray& points, std::span<const PointOfBody> pairs,
+                               std::span<const double> half_widths, const OutputTargets& targets,
+                               const CallOptions& call);
 
     Device device;
     SceneOptions options;
