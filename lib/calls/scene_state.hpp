@@ -81,6 +81,10 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     /// Of the bodies that are on.
     scenes::BodyTree tree_at(std::span<const scenes::Frame> frames) const;
     template <typename MeshOrView>
+    Shape make_shape(const MeshOrView& mesh, SignRule sign, const CallOptions& call) const;
+    std::uint32_t add(std::span<const Mesh> meshes, std::span<const Pose> poses, SignRule sign,
+                      const CallOptions& call);
+    template <typename MeshOrView>
     std::uint32_t add(const MeshOrView& mesh, const Pose& pose, SignRule sign, const CallOptions& call);
     template <typename MakeShape>
     std::uint32_t add_body(const Pose& pose, const MakeShape& make_shape);

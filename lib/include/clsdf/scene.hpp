@@ -78,6 +78,11 @@ public:
                       const CallOptions& call = {});
     std::uint32_t add(const MeshView& mesh, const Pose& pose = {}, SignRule sign = SignRule::automatic,
                       const CallOptions& call = {});
+    /// Adds many bodies, which are prepared on all cores, and returns the number of the first; those of the others
+    /// follow. poses: of each, or empty. Throws as add(), and Error(invalid_argument) for another number of poses; then
+    /// none is added. Functions of `call` are called by one thread at a time.
+    std::uint32_t add(std::span<const Mesh> meshes, std::span<const Pose> poses = {},
+                      SignRule sign = SignRule::automatic, const CallOptions& call = {});
     /// Adds a body that has the mesh and the sign rule of another one.
     std::uint32_t add_instance(std::uint32_t of, const Pose& pose = {});
 
