@@ -53,6 +53,10 @@ DistanceTransform detail::TransformAccess::make(Device device, const Mesh& mesh,
     });
 }
 
+DistanceTransform detail::TransformAccess::of(std::unique_ptr<DistanceTransform::State> state) {
+    return DistanceTransform(std::move(state));
+}
+
 DistanceTransform::State& DistanceTransform::state() const {
     State& state = held_by(state_, "DistanceTransform");
     state.require_sound();

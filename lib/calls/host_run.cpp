@@ -297,12 +297,14 @@ CallStatistics DistanceTransform::State::compute_slabs(const engine::Job& job, c
     return HostRun(*this, {&batch, 1}, {}, options.sink_has_own_thread, hand_on, call).run();
 }
 
-CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request> requests, const CallOptions& call) {
+CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request> requests, const CallOptions& call,
+                                                         std::span<const Grid> wanted) {
     targets::wait_for(context(), call.wait_list);
     std::vector<engine::Job> jobs;
     const auto targets = plans::targets_of(requests, host_targets(jobs, call.count_work));
-    const std::vector<Batch> batches =
+    std::vector<Batch> batches =
         plans::batches_of(std::span<const engine::Job>(jobs), std::span(targets), kept_mesh->box());
+    if (!wanted.empty()) batches.front().job.wanted.assign(wanted.begin(), wanted.end());
     const HostRun::Store store = [&](const Slab& slab, const Gathering& gathered, const targets::HostArrays& values) {
         const std::vector<std::size_t>& chosen = slab.batch->requests;
         gathered.for_each_box([&](std::size_t n, const Grid& box, std::size_t start) {

@@ -227,6 +227,8 @@ void Scene::set_positions(std::uint32_t body, const InputArray& positions, const
     shape.transform.set_positions(positions, call);
     shape.box = shape.transform.box();
     shape.moved_to.reset();
+    shape.longest_edge.reset();
+    if (state.joined) state.joined->frames.clear();
     state.tree.reset();
 }
 
@@ -280,6 +282,7 @@ KeptMemory Scene::memory() const {
         add(shape.transform);
         if (shape.moved) add(*shape.moved);
     }
+    if (state.joined) add(state.joined->transform);
     return sum;
 }
 

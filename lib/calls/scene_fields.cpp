@@ -7,6 +7,7 @@
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "core/outputs.hpp"
+#include "core/parallel.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/vertices.hpp"
 #include "plan/slabs.hpp"
@@ -88,10 +89,6 @@ SignRule Scene::State::field_sign() const {
 
 namespace {
 
-bool is_moved(const scenes::Frame& frame) {
-    return frame.is_turned || frame.translation != Vec3{};
-}
-
 /// The positions that a transform of the body has.
 std::vector<Vec3> moved_by(const scenes::Frame& frame, const Mesh& mesh) {
     return engine::Vertices::moved(mesh.vertices(), frame.rotation, frame.translation);
@@ -122,9 +119,7 @@ const DistanceTransform& Scene::State::placed(const Body& body) {
     Shape& shape = *body.shape;
     const scenes::Frame& frame = body.frame;
     if (!is_moved(frame)) return shape.transform;
-    if (shape.moved_to && shape.moved_to->rotation == frame.rotation &&
-        shape.moved_to->translation == frame.translation)
-        return *shape.moved;
+    if (shape.moved_to == frame) return *shape.moved;
     auto& state = detail::TransformAccess::state(shape.transform);
     std::vector<Vec3> positions;
     {
@@ -166,12 +161,7 @@ CallStatistics Scene::State::compute(const Request& request, const CallOptions& 
     calls::RunningCall running{call};
     running.throw_if_stopped();
     const std::scoped_lock lock(field_mutex);
-    // The bodies that reach the grid, and where.
-    struct Part {
-        std::uint32_t body;
-        Grid grid;
-    };
-    std::vector<Part> parts;
+    std::vector<FieldPart> parts;
     for (std::uint32_t i = 0; i < bodies.size(); ++i) {
         const Body& body = bodies[i];
         const auto& state = detail::TransformAccess::state(body.shape->transform);
@@ -183,20 +173,23 @@ CallStatistics Scene::State::compute(const Request& request, const CallOptions& 
         if (const auto part = scenes::part_near(grid, body.frame.to_scene(body.shape->box), margin))
             parts.push_back({i, *part});
     }
-    // One that has most of the grid is computed in place, in all of it.
-    const auto count_of = [](const Part& part) { return part.grid.sample_count(); };
-    const auto largest = std::ranges::max_element(parts, {}, count_of);
-    const bool has_whole = largest != parts.end() && count_of(*largest) >= samples / 2;
+    std::vector<FieldStep> steps = steps_of(parts, request);
+    // A body that has most of the grid is computed in place, in all of it.
+    const auto largest = std::ranges::max_element(steps, {}, [](const FieldStep& step) {
+        return step.parts.size() == 1 ? step.parts.front().grid.sample_count() : 0;
+    });
+    const bool has_whole =
+        largest != steps.end() && largest->parts.size() == 1 && largest->sample_count() >= samples / 2;
     if (has_whole) {
-        largest->grid = grid;
-        std::rotate(parts.begin(), largest, largest + 1);
+        largest->block = largest->parts.front().grid = grid;
+        std::rotate(steps.begin(), largest, largest + 1);
     }
 
     targets::HostArrays wanted = targets.arrays, arrays;
     bool has_extras = false;
     for (const OutputInfo& info : extra_outputs()) has_extras = has_extras || wanted[info.output].is_wanted;
     wanted[Output::body].is_wanted = has_extras;
-    PartArrays own(context()), own_bodies(context()), of_part(context());
+    PartArrays own(context()), own_bodies(context()), of_block(context());
     if (targets.are_packed) {
         arrays = targets.arrays;
         if (has_extras && arrays[Output::body].data == nullptr) {
@@ -211,27 +204,35 @@ CallStatistics Scene::State::compute(const Request& request, const CallOptions& 
     if (!has_whole) least.clear(band.outside);
 
     double all = 0, done = 0;
-    for (const Part& part : parts) all += static_cast<double>(count_of(part));
-    for (const Part& part : parts) {
+    std::shared_ptr<const FieldStep::Members> counted;
+    for (const FieldStep& step : steps) all += static_cast<double>(step.sample_count());
+    for (const FieldStep& step : steps) {
         running.throw_if_stopped();
-        const Body& body = bodies[part.body];
-        const std::size_t count = count_of(part);
         const bool is_in_place = has_whole && done == 0;
-        const targets::HostArrays values = is_in_place ? arrays : of_part.for_samples(wanted, count);
-        const DistanceTransform& transform = placed(body);
-        const Request asked{part.grid, band_of_body(band, transform.sign()), targets_of(values, count)};
-        const double next = done + static_cast<double>(count) / all;
-        CallOptions of_body = calls::part_of(call, done, next);
-        of_body.wait_list = {};
-        add_statistics(running.statistics,
-                       detail::TransformAccess::state(transform).compute(std::span(&asked, 1), of_body));
+        const std::size_t count = step.block.sample_count();
+        const targets::HostArrays values = is_in_place ? arrays : of_block.for_samples(wanted, count);
+        const DistanceTransform& transform = step.members ? joined_at(step) : placed(bodies[step.parts.front().body]);
+        const Request asked{step.block, band_of_body(band, transform.sign()), targets_of(values, count)};
+        std::vector<Grid> parts_of_step;
+        if (step.members)
+            for (const FieldPart& part : step.parts) parts_of_step.push_back(part.grid);
+        const double next = done + static_cast<double>(step.sample_count()) / all;
+        CallOptions of_step = calls::part_of(call, done, next);
+        of_step.wait_list = {};
+        CallStatistics made =
+            detail::TransformAccess::state(transform).compute_on_host(std::span(&asked, 1), of_step, parts_of_step);
+        if (step.members && step.members == counted) made.triangles = made.polyhedra = 0;
+        counted = step.members;
+        add_statistics(running.statistics, made);
         if (is_in_place)
-            least.begin_with(part.body);
-        else
-            least.add(part.grid, values, part.body);
+            least.begin_with(step.parts.front().body);
+        else  // parts of a step have no sample in common
+            for_each_index(
+                step.parts.size(),
+                [&](std::size_t i) { least.add(step.parts[i].grid, step.block, values, step.parts[i].body); }, 1);
         done = next;
     }
-    running.statistics.host_bytes += own.bytes() + own_bodies.bytes() + of_part.bytes();
+    running.statistics.host_bytes += own.bytes() + own_bodies.bytes() + of_block.bytes();
     if (!targets.are_packed) targets.store(grid, arrays);
     memory.unmap();
     return running.finish();

@@ -422,8 +422,7 @@ void Scene::classify(std::span<const Box> boxes, double half_width, std::span<Bo
             numbers.clear();
             for (std::size_t i = 0; i < boxes.size(); ++i) {
                 if (places[i] == BoxPlace::inside) continue;
-                const bool is_moved = body.frame.is_turned || body.frame.translation != Vec3{};
-                const Box box = is_moved ? body.frame.to_body(boxes[i]) : boxes[i];
+                const Box box = is_moved(body.frame) ? body.frame.to_body(boxes[i]) : boxes[i];
                 if (!std::isfinite(box.lower[0] + box.lower[1] + box.lower[2] + box.upper[0] + box.upper[1] +
                                    box.upper[2])) {
                     places[i] = BoxPlace::within;  // so large that it meets everything

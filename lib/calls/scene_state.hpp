@@ -28,6 +28,10 @@ namespace clsdf {
 /// Throws Error(invalid_argument) that names what the pose is of: " of body 3".
 scenes::Frame frame_of(const Pose& pose, const std::string& owner);
 
+inline bool is_moved(const scenes::Frame& frame) {
+    return frame.is_turned || frame.translation != Vec3{};
+}
+
 /// The bodies of a scene, and what is kept of their meshes.
 struct __attribute__((visibility("hidden"))) Scene::State {
     /// The mesh of one or more bodies.
@@ -40,12 +44,54 @@ struct __attribute__((visibility("hidden"))) Scene::State {
         /// was. Both are guarded by field_mutex.
         std::optional<DistanceTransform> moved{};
         std::optional<scenes::Frame> moved_to{};
+
+        std::optional<double> longest_edge{};  ///< guarded by field_mutex
     };
 
     struct Body {
         Shape* shape;
         scenes::Frame frame;
         bool is_active;
+    };
+
+    /// Bodies in the order of their numbers, where their meshes are, as one transform.
+    struct JoinedBodies {
+        std::vector<std::uint32_t> bodies;
+        bool is_inside_out;
+        std::vector<scenes::Frame> frames;  ///< empty if the positions are older than the meshes
+        DistanceTransform transform;
+    };
+
+    /// Bodies of one kind can be joined.
+    struct KindOfBody {
+        SignRule sign;
+        bool is_inside_out;  ///< false if no output depends on it
+
+        friend auto operator<=>(const KindOfBody&, const KindOfBody&) = default;
+    };
+
+    /// The part of a field's grid that a body reaches.
+    struct FieldPart {
+        std::uint32_t body;
+        Grid grid;
+    };
+    /// What the launches of one call compute, in an array of the block: the part of a body, which is the block, by its
+    /// transform, or those of several bodies that are joined.
+    struct FieldStep {
+        struct Members {
+            std::vector<std::uint32_t> bodies{};
+            bool is_inside_out = false;
+        };
+        Grid block{};
+        std::vector<FieldPart> parts{};
+        std::shared_ptr<const Members> members{};  ///< that are joined; null for one body
+        std::vector<std::uint32_t> selected{};     ///< the places of the parts' bodies among them
+
+        std::size_t sample_count() const {
+            std::size_t sum = 0;
+            for (const FieldPart& part : parts) sum += part.grid.sample_count();
+            return sum;
+        }
     };
 
     State(Device device_in, const SceneOptions& options_in) : device(std::move(device_in)), options(options_in) {}
@@ -97,6 +143,15 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     /// field_mutex.
     const DistanceTransform& placed(const Body& body);
 
+    // joined_bodies.cpp. All need field_mutex.
+    std::optional<KindOfBody> kind_if_joined(const Shape& shape, bool has_normals);
+    bool are_joined(std::span<const FieldPart> parts, const KindOfBody& kind, const Grid& grid, const Band& band) const;
+    /// Small bodies are joined. In a step no coarse brick has faces of two bodies: so each body has the bytes that it
+    /// has alone.
+    std::vector<FieldStep> steps_of(const std::vector<FieldPart>& parts, const Request& request);
+    /// The transform of the step's members, with its bodies selected, until that of another step is asked for.
+    const DistanceTransform& joined_at(const FieldStep& step);
+
     // scene_queries.cpp
     class Call;
     /// frames: of all bodies for each configuration, or nothing for the poses that they have. half_widths: one, or one
@@ -116,6 +171,7 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     std::shared_ptr<const scenes::BodyTree> tree{};  ///< null after a change; guarded by the mutex
 
     CallMutex field_mutex{"the scene that makes the call"};  ///< for the transforms that are moved for fields
+    std::optional<JoinedBodies> joined{};                    ///< of the last field; guarded by field_mutex
 };
 
 }  // namespace clsdf

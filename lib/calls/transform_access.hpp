@@ -14,8 +14,9 @@ struct CLSDF_EXPORT detail::TransformAccess {
     /// A transform with another method than leaned frusta by bricks.
     static DistanceTransform make(Device device, const Mesh& mesh, std::shared_ptr<const FieldMethod> method,
                                   const TransformOptions& options, const CallOptions& call);
-    /// For scenes.
+    // For scenes.
     static DistanceTransform::State& state(const DistanceTransform& transform) { return transform.state(); }
+    static DistanceTransform of(std::unique_ptr<DistanceTransform::State> state);
 };
 
 }  // namespace clsdf

@@ -239,6 +239,29 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
     return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_mesh)));
 }
 
+std::unique_ptr<DistanceTransform::State> DistanceTransform::State::joined(engine::JoinedMeshes meshes,
+                                                                           bool are_inside_out) const {
+    auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    auto own_mesh = std::make_unique<engine::KeptMesh>(context(), own_pool, std::move(meshes.mesh),
+                                                       std::move(meshes.topology), kept_mesh->options());
+    own_mesh->set_given_faces({{}, std::move(meshes.numbers)});
+    own_mesh->set_encloses_negative_volume(are_inside_out);
+    return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_mesh)));
+}
+
+void DistanceTransform::State::select_meshes(std::vector<std::uint32_t> meshes) {
+    const std::scoped_lock lock(mutex);
+    plans.clear();  // which are of others
+    kept_mesh->select_meshes(std::move(meshes));
+}
+
+void DistanceTransform::State::move_joined(std::vector<Vec3> positions) {
+    const std::scoped_lock lock(mutex);
+    const bool are_inside_out = kept_mesh->encloses_negative_volume();
+    move_vertices(std::move(positions));
+    kept_mesh->set_encloses_negative_volume(are_inside_out);
+}
+
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions, const CallOptions& call) {
     const std::scoped_lock lock(mutex);
     require_whole();

@@ -48,6 +48,13 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// See DistanceTransform::restrict_to().
     std::unique_ptr<State> restricted(std::vector<Region> regions);
 
+    /// Several meshes with the rule and the options of this one: see select_meshes().
+    std::unique_ptr<State> joined(engine::JoinedMeshes meshes, bool are_inside_out) const;
+    /// Fields are those of some of them, whose numbers ascend.
+    void select_meshes(std::vector<std::uint32_t> meshes);
+    /// New positions of all of them, which enclose negative volumes or do not, as before.
+    void move_joined(std::vector<Vec3> positions);
+
     void set_positions(std::span<const Vec3> positions, const CallOptions& call);
     /// From memory of the device, which need not come to the host. Returns false, and has done nothing, if it must.
     bool set_positions_on_device(const InputArray& positions);
@@ -129,7 +136,9 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
 
     // host_run.cpp
     class HostRun;
-    CallStatistics compute_on_host(std::span<const Request> requests, const CallOptions& call);
+    /// wanted: blocks of one request, whose other samples may stay as they are; empty: all.
+    CallStatistics compute_on_host(std::span<const Request> requests, const CallOptions& call,
+                                   std::span<const Grid> wanted = {});
     CallStatistics compute_slabs(const engine::Job& job, const SlabSink& sink, const SlabOptions& options,
                                  const CallOptions& call);
 

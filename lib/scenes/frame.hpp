@@ -43,6 +43,8 @@ struct Frame {
     /// The smallest boxes along the other axes around a box, widened by more than all rounding of points in it.
     Box to_scene(const Box& box) const;
     Box to_body(const Box& box) const;
+
+    friend bool operator==(const Frame&, const Frame&) = default;
 };
 
 /// The distance between a point and a box.

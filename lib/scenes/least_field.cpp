@@ -105,18 +105,20 @@ void LeastField::add_row(std::size_t to, std::size_t from, std::size_t count, co
     }
 }
 
-void LeastField::add(const Grid& part, const targets::HostArrays& values, std::uint32_t body) {
+void LeastField::add(const Grid& part, const Grid& block, const targets::HostArrays& values, std::uint32_t body) {
     const auto width = static_cast<std::size_t>(part.size[0]), height = static_cast<std::size_t>(part.size[1]);
-    const Index3 from{part.first[0] - grid_.first[0], part.first[1] - grid_.first[1], part.first[2] - grid_.first[2]};
     for_each_index(
         height * static_cast<std::size_t>(part.size[2]),
         [&](std::size_t row) {
-            const auto y = static_cast<std::int64_t>(row % height), z = static_cast<std::int64_t>(row / height);
-            const std::size_t to = grid_.offset(from[0], from[1] + y, from[2] + z);
+            const std::int64_t y = part.first[1] + static_cast<std::int64_t>(row % height),
+                               z = part.first[2] + static_cast<std::int64_t>(row / height);
+            const auto place_in = [&](const Grid& grid) {
+                return grid.offset(part.first[0] - grid.first[0], y - grid.first[1], z - grid.first[2]);
+            };
             if (arrays_[Output::distance].in_double)
-                add_row<double>(to, row * width, width, values, body);
+                add_row<double>(place_in(grid_), place_in(block), width, values, body);
             else
-                add_row<float>(to, row * width, width, values, body);
+                add_row<float>(place_in(grid_), place_in(block), width, values, body);
         },
         rows_at_once);
 }

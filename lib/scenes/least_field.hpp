@@ -28,10 +28,10 @@ public:
     void clear(double outside);
     /// The arrays already have the field of this one, as its transform made it.
     void begin_with(std::uint32_t body);
-    /// values: of the part, as the body's transform made them, with the outputs and the elements of the arrays. Of
-    /// equal distances the body that is within the band counts at the outer limit, that beyond it at the inner one;
-    /// then the lowest body.
-    void add(const Grid& part, const targets::HostArrays& values, std::uint32_t body);
+    /// values: of a block of the lattice, as the body's transform made them in the part of it that the body reaches,
+    /// with the outputs and the elements of the arrays. Of equal distances the body that is within the band counts at
+    /// the outer limit, that beyond it at the inner one; then the lowest body.
+    void add(const Grid& part, const Grid& block, const targets::HostArrays& values, std::uint32_t body);
 
 private:
     template <typename Distance>

@@ -131,6 +131,80 @@ BOOST_AUTO_TEST_CASE(a_field_has_the_bytes_of_the_body_with_the_least_distance) 
     BOOST_TEST(in_band > 10000U);
 }
 
+// Small bodies are computed together. Faces that do not fill up vectors, point sites, several rules and outputs, bodies
+// that overlap and such that do not.
+BOOST_AUTO_TEST_CASE(many_bodies_have_the_bytes_of_single_ones) {
+    Random random(3);
+    std::vector<Mesh> meshes = meshes_of_bodies(random);
+    meshes.push_back(make_shape("torus"));
+    std::vector<DistanceTransform> transforms;
+    std::vector<Pose> poses;
+    Scene scene(test_device());
+    std::vector<std::uint32_t> first(meshes.size());
+    const auto place = [&] {
+        poses.clear();
+        for (std::size_t i = 0; i < 60; ++i) {
+            Pose pose = at(random.point(0, 3));
+            pose.translation[0] *= 8;
+            if (i % 4 != 0) pose.rotation = random_rotation(random);
+            poses.push_back(pose);
+        }
+        scene.set_poses(poses);
+        for (std::uint32_t i = 0; i < transforms.size(); ++i)
+            transforms[i].set_motion(scene.pose(i).rotation, scene.pose(i).translation);
+    };
+    for (std::size_t i = 0; i < 60; ++i) {
+        const std::size_t number = i % meshes.size();
+        if (i < meshes.size())
+            first[number] = scene.add(meshes[number]);
+        else
+            scene.add_instance(first[number]);
+        transforms.emplace_back(test_device(), meshes[number]);
+    }
+    const Grid grid = Grid{{-1, -1, -1}, {0.08, 0.08, 0.08}, {330, 60, 60}, {}}.part({3, 2, 1}, {320, 57, 58});
+    std::size_t different = 0, in_band = 0;
+    for (const Band& band : {Band::symmetric(0.2), Band{0.5, 0.1}}) {
+        place();
+        const Field found = scene.compute(grid, band, every_output());
+        for (std::int64_t x = 0; x + 40 <= grid.size[0]; x += 56) {
+            const Index3 begin{x, x % 3 * 8, 5}, size{40, 30, 25};
+            const Grid block = grid.part(begin, size);
+            const Field expected = least_of(transforms, block, band);
+            for (std::int64_t z = 0; z < size[2]; ++z)
+                for (std::int64_t y = 0; y < size[1]; ++y)
+                    for (const OutputInfo& info : output_table())
+                        different += differences(expected, block.offset(0, y, z), found,
+                                                 grid.offset(begin[0], begin[1] + y, begin[2] + z), 40, info)
+                                         .count;
+            for (const std::uint32_t body : expected.body()) in_band += body != no_body ? 1U : 0U;
+        }
+    }
+    BOOST_TEST(different == 0U);
+    BOOST_TEST(in_band > 10000U);
+}
+
+BOOST_AUTO_TEST_CASE(many_meshes_are_added_at_once) {
+    Random random(8);
+    const std::vector<Mesh> meshes = meshes_of_bodies(random);
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i < meshes.size(); ++i) poses.push_back({random_rotation(random), random.point(0, 3)});
+    Scene scene(test_device()), one_by_one(test_device());
+    one_by_one.add(cube(1));
+    scene.add(cube(1));
+    BOOST_TEST(scene.add(meshes, poses, SignRule::none) == 1U);
+    for (std::size_t i = 0; i < meshes.size(); ++i) one_by_one.add(meshes[i], poses[i], SignRule::none);
+    BOOST_TEST(scene.size() == one_by_one.size());
+    const Grid grid = grid_around(scene, 24);
+    const Band band = Band::symmetric(2 * grid.voxel());
+    BOOST_TEST(differences_of(scene.compute(grid, band, every_output()), one_by_one.compute(grid, band, every_output()),
+                              "at once") == 0U);
+    check_throws(ErrorCode::invalid_argument, {"1 poses", "8 meshes"},
+                 [&] { scene.add(meshes, std::span(poses).first(1)); });
+    const Mesh one = cube(1);
+    check_throws(ErrorCode::unsupported, {"below"}, [&] { scene.add(std::span(&one, 1), {}, SignRule::below); });
+    BOOST_TEST(scene.size() == one_by_one.size());
+}
+
 BOOST_AUTO_TEST_CASE(the_reference_finds_no_fault_and_finds_faults_that_are_made) {
     for (const std::uint64_t seed : {3U, 10U, 21U, 34U}) {
         const RandomScene random(seed);

@@ -16,6 +16,8 @@ device::BufferPool::Lease site_names(const DeviceTools& tools, const MeshTopolog
     const std::size_t rows = count + chunk_count(behind, sizeof(TriangleSites));
     device::HostFilling filling(tools.context, tools.pool, rows * sizeof(TriangleSites), "names of the sites");
     const std::span names(static_cast<TriangleSites*>(filling.memory()), count);
+    // Triangles that fill up groups of records get no names.
+    if (!topology.joined.empty()) std::memset(names.data(), 0, names.size_bytes());
     name_sites(topology, names);
     if (!pieces.empty()) {
         std::memcpy(names.data() + count, pieces.data(), pieces.size_bytes());

@@ -9,9 +9,9 @@
 
 namespace clsdf::engine {
 
-/// The faces as given of a mesh whose triangles are pieces of them.
+/// The faces as given of a mesh whose triangles are pieces of them, or have other numbers.
 struct GivenFaces {
-    std::vector<FacePiece> pieces;       ///< by triangle
+    std::vector<FacePiece> pieces;       ///< by triangle; empty if the triangles are whole faces
     std::vector<std::uint32_t> numbers;  ///< by triangle: that of its face
 
     std::size_t host_bytes() const { return pieces.size() * sizeof(pieces[0]) + numbers.size() * sizeof(numbers[0]); }

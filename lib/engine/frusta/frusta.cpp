@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "frusta/frames.hpp"
 #include "frusta/gaps.hpp"
+#include "frusta/records.hpp"
 #include "frusta/slopes.hpp"
 #include "mesh/mesh_arrays.hpp"
 
@@ -152,6 +153,22 @@ bool is_sliver(const TriangleFrame& frame) {
     return !(frame.face.altitude > thin * frame.base_length()) || !(frame.base_length() > vanishing);
 }
 
+/// The sites of several meshes, each one's filled up to whole groups of records with cones that no block overlaps.
+std::vector<SiteFrustum> in_groups(std::span<const SiteFrustum> sites, std::span<const JoinedPart> meshes) {
+    constexpr float closed_slope = -1e30F;
+    std::vector<SiteFrustum> result;
+    auto site = sites.begin();
+    for (const JoinedPart& mesh : meshes) {
+        for (; site != sites.end() && site->vertex < mesh.vertex_end; ++site) result.push_back(*site);
+        while (result.size() % record_group != 0) {
+            SiteFrustum filling = result.back();
+            filling.slopes.above = filling.slopes.below = {closed_slope, closed_slope, closed_slope};
+            result.push_back(filling);
+        }
+    }
+    return result;
+}
+
 /// All faces around the vertices, and `others`; ascending.
 Numbers faces_around(std::span<const std::uint32_t> vertices, const OneRings& rings, Numbers others) {
     for (const std::uint32_t vertex : vertices)
@@ -202,6 +219,7 @@ void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToH
     for_each_index(gaps.size(), [&](std::size_t i) {
         frusta.sites[i] = point_site(faces, topology.order, topology.faces.vertices, topology.rings, gaps[i]);
     });
+    if (!topology.joined.empty()) frusta.sites = in_groups(frusta.sites, topology.joined);
 }
 
 Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FrustaOptions& options) {

@@ -21,7 +21,7 @@ struct SiteFrustum {
 
 /// The part of a mesh's frusta that decisions of the host have found. Small: the host always has it.
 struct FoundFrusta {
-    std::vector<SiteFrustum> sites;      ///< ascending by vertex
+    std::vector<SiteFrustum> sites;      ///< ascending by vertex; of joined meshes, filled up to whole groups of each
     std::vector<std::uint32_t> slivers;  ///< ascending: faces so thin that their frames may be special cases
     std::size_t saddle_vertices = 0;     ///< with convex and concave edges (kernels: flat up to rounding is neither)
     std::size_t boxes = 0;               ///< faces so degenerate that their polyhedron is a box

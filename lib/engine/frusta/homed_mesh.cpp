@@ -104,9 +104,15 @@ HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, std::shared_ptr<
     positions_.set(nullptr, share(std::move(made.positions)));
 }
 
+HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology)
+    : HomedMesh(all, tools, mesh.name(), mesh.box(), mesh.vertices().size(), mesh.triangles().size()) {
+    set_up_.ways.topology_by_kernels = false;
+    first_.set(share(FirstMesh{share(std::move(mesh)), Vertices(vertex_count_)}));
+    topology_.set(std::move(topology), nullptr);
+}
+
 HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, MeshPart part)
-    : HomedMesh(all, tools, std::move(part.mesh), Vertices()) {
-    topology_.set(std::move(part.topology), nullptr);
+    : HomedMesh(all, tools, std::move(part.mesh), std::move(part.topology)) {
     frusta_.set(share(std::move(part.frusta)), nullptr);
 }
 

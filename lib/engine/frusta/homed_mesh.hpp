@@ -44,6 +44,8 @@ public:
     HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, Vertices vertices);
     /// A GPU has made the topology of the mesh as given; null if made.mesh has the arrays.
     HomedMesh(KeptValues& all, const DeviceTools& tools, std::shared_ptr<const Mesh> given, MadeTopology made);
+    /// The host has made the topology, with faces in an order of its own.
+    HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology);
     /// A part of a mesh, which does not move. Its frusta are on the host.
     HomedMesh(KeptValues& all, const DeviceTools& tools, MeshPart part);
     HomedMesh(const HomedMesh&) = delete;

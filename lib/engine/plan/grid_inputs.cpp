@@ -18,6 +18,7 @@ public:
         : kept_mesh_(kept_mesh), job_(job), lattice_(kept_mesh.lattice(job.grid)) {}
 
     void set_records(bool lone, Inputs& inputs) {
+        if (kept_mesh_.has_selection()) keep_records();  // with the frusta, by the same launch
         const auto near = near_bricks();
         // All cores pack all of them, and one those of a small grid.
         if (is_own(near, lone, lattice_.records != nullptr, lattice_.faces_packed,
@@ -25,10 +26,7 @@ public:
             inputs.records = std::make_shared<const PreparedMesh>(kept_mesh_.records(job_.lattice, *near));
             if (!lone) lattice_.faces_packed += near->face_count;
         } else {
-            if (!lattice_.records)
-                lattice_.records = std::make_shared<const PreparedMesh>(
-                    kept_mesh_.restriction() != nullptr ? kept_mesh_.records(job_.lattice, kept_ranges())
-                                                        : kept_mesh_.all_records(job_.lattice));
+            keep_records();
             inputs.records = lattice_.records;
             select_records(near, inputs);
         }
@@ -62,6 +60,7 @@ public:
     }
 
     std::optional<NearRecords> near_rows() {
+        if (kept_mesh_.has_selection()) return kept_mesh_.selected();
         if (!kept_mesh_.has_frusta()) return std::nullopt;
         Box box = box_near_rows(job_);
         if (const double gap = kept_mesh_.sign_surface_gap(); gap > 0) box = widened(box, gap);
@@ -77,13 +76,19 @@ private:
     /// the budget allows it. made: faces of the values that were made for such grids alone.
     template <class Most>
     bool is_own(const std::optional<NearRecords>& near, bool lone, bool is_kept, std::size_t made, const Most& most) {
-        if (!near) return false;
+        if (!near || kept_mesh_.has_selection()) return false;
         if (lone || !kept_mesh_.ways().selections_by_kernels) return true;
         if (is_kept) return false;
         return count(made + near->face_count) <= most() ||
                kept_mesh_.device_bytes() + kept_mesh_.record_bytes() > kept_mesh_.budget();
     }
 
+    void keep_records() {
+        if (!lattice_.records)
+            lattice_.records = std::make_shared<const PreparedMesh>(
+                kept_mesh_.restriction() != nullptr ? kept_mesh_.records(job_.lattice, kept_ranges())
+                                                    : kept_mesh_.all_records(job_.lattice));
+    }
     void select_records(const std::optional<NearRecords>& near, Inputs& inputs) {
         if (near) inputs.selection = engine::select_records(kept_mesh_.context(), kept_ranges(), *near);
     }
@@ -103,6 +108,7 @@ private:
         return near;
     }
     std::optional<NearRecords> near_bricks() {
+        if (kept_mesh_.has_selection()) return kept_mesh_.selected();
         const auto box = box_near_bricks(job_);
         if (!box) return std::nullopt;
         return near_box(*box, kept_mesh_.restriction() != nullptr ? kept_ranges().face_count : all_faces());

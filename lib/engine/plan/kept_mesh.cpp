@@ -43,6 +43,15 @@ KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool>
     set_sign_surface({});
 }
 
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
+                   std::shared_ptr<const MeshTopology> topology, Options options)
+    : context_(context),
+      pool_(std::move(pool)),
+      options_(std::move(options)),
+      mesh_(kept_, tools(), std::move(mesh), std::move(topology)) {
+    set_sign_surface({});
+}
+
 KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool,
                    std::shared_ptr<const Mesh> given, MadeTopology made, Options options)
     : context_(context),

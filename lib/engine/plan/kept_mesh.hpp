@@ -9,6 +9,7 @@
 #include "finish/given_faces.hpp"
 #include "frusta/cluster_index.hpp"
 #include "frusta/homed_mesh.hpp"
+#include "frusta/joined_meshes.hpp"
 #include "frusta/prepared_mesh.hpp"
 #include "homes/kept.hpp"
 #include "launch/programs.hpp"
@@ -60,6 +61,9 @@ public:
     /// All of the mesh's vertices are the caller's.
     KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, const Mesh& mesh, Options options)
         : KeptMesh(context, std::move(pool), mesh, Vertices(mesh.vertices().size()), std::move(options)) {}
+    /// All of the mesh's vertices are the caller's, and the host has made the topology.
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
+             std::shared_ptr<const MeshTopology> topology, Options options);
     /// A mesh as given whose topology a GPU has made; null if made.mesh has the arrays.
     KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, std::shared_ptr<const Mesh> given,
              MadeTopology made, Options options);
@@ -72,7 +76,11 @@ public:
                                          SignRule sign);
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_.get().get(); }
-    /// The triangles are pieces of faces, and are told by these.
+    /// Fields are those of some of the joined meshes, whose numbers ascend: see records_of_meshes().
+    void select_meshes(std::vector<std::uint32_t> meshes) { selected_ = std::move(meshes); }
+    bool has_selection() const { return !selected_.empty(); }
+    NearRecords selected() { return records_of_meshes(topology(), mesh_.found(), selected_); }
+    /// The triangles are pieces of faces, or faces of other meshes, and are told by these.
     void set_given_faces(GivenFaces faces) { given_faces_.set(std::make_shared<const GivenFaces>(std::move(faces))); }
     /// Whether the triangles' own numbers are those that are told.
     bool has_own_numbers() const { return !given_faces_ && !restriction_; }
@@ -255,6 +263,7 @@ private:
     Kept<device::BufferPool::Lease> site_names_{kept_, MadeOf::triangles, UsedBy::both};
     Kept<device::BufferPool::Lease> pseudonormals_{kept_, MadeOf::positions, UsedBy::both};
     std::list<Lattice> lattices_;  // that was used last first
+    std::vector<std::uint32_t> selected_;
     std::atomic<std::size_t> moves_ = 0;
 };
 

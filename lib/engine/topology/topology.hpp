@@ -99,6 +99,12 @@ private:
     std::vector<std::size_t> starts_;
 };
 
+/// A mesh among several that are joined: see JoinedMeshes.
+struct JoinedPart {
+    std::uint32_t face_begin, face_end;  ///< the faces up to the next part are the last one again
+    std::uint32_t vertex_end;
+};
+
 /// The data that follow from a mesh's triangles. The order of the faces also depends on the first positions of the
 /// vertices; later positions do not change it.
 struct MeshTopology {
@@ -106,6 +112,7 @@ struct MeshTopology {
     OrderedFaces faces;
     OneRings rings;
     PairedEdges edges;
+    std::vector<JoinedPart> joined{};  ///< of several meshes; empty for one
 
     /// Throws Error(unsupported) for 2^30 faces or more.
     explicit MeshTopology(const Mesh& mesh);
