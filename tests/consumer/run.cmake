@@ -211,7 +211,7 @@ if(WAY STREQUAL "find_package" OR WAY STREQUAL "clang")
   run(${build}/consumer_both)
 
 elseif(WAY STREQUAL "add_subdirectory")
-  # The core alone, whose sources take minutes to compile; "shared" compiles the other libraries, too.
+  # The core alone; "shared" compiles the other libraries, too.
   configure(${COMPILER} -DWAY=add_subdirectory -DCLSDF=${CLSDF})
   build_and_run(--target consumer consumer_plugin consumer_host)
 
