@@ -28,6 +28,7 @@ import json
 import os
 import pathlib
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -470,7 +471,14 @@ def truth_of(path, sha, defects, options):
     return truth
 
 
+def seconds_of_children():
+    """Of processor time."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def judge(path, sha, options):
+    start = seconds_of_children()
     result = {"bytes": path.stat().st_size}
     info = run(options.command, "info", path)
     if "error" in info:
@@ -491,7 +499,8 @@ def judge(path, sha, options):
         if "error" in query:
             return result | {"failed": True, "not_judged": reason_of(query["error"]["message"], path)}
         found = numpy.load(f"{folder}/result.npy")["distance"]
-    result |= {"sign": query["sign"], "device": query["device"]["name"], "warnings": query["warnings"]}
+    result |= {"sign": query["sign"], "device": query["device"]["name"], "warnings": query["warnings"],
+               "seconds": seconds_of_children() - start}
     if truth is None:
         return result
     side, distance = float(truth["side"]), truth["distance"]
@@ -560,7 +569,7 @@ def kind_without_sign(result):
 def table(head, rows):
     """In Markdown; columns of numbers are on the right."""
     columns = list(zip(*rows))[1:]
-    numbers = [all(re.fullmatch(r"[0-9,]+(\.[0-9]e[-+][0-9]+)?", str(cell)) for cell in column) for column in columns]
+    numbers = [all(re.fullmatch(r"[0-9,]+(\.[0-9](e[-+][0-9]+)?)?", str(cell)) for cell in column) for column in columns]
     lines = ["| " + " | ".join(map(str, line)) + " |" for line in (head, *rows)]
     return "\n".join([lines[0], "|-|" + "".join("-:|" if is_number else "-|" for is_number in numbers), *lines[1:]])
 
@@ -592,7 +601,8 @@ def record_of(results, left, files, options):
                      *(steps[step] for step in ("joined", "doubled", "turned", "sheets")),
                      sum(result["wrong_signs"] for result in mine_tested),
                      sum(result["wrong_values"] for result in mine_tested),
-                     f"{max((result['error_voxels'] for result in mine_tested), default=0):.1e}"])
+                     f"{max((result['error_voxels'] for result in mine_tested), default=0):.1e}",
+                     f"{sum(result['seconds'] for result in mine_tested) / max(1, len(mine_tested)):.1f}"])
     unreadable = collections.Counter(result["unreadable"] for result in results if "unreadable" in result)
     unsigned = collections.defaultdict(list)
     for result in read:
@@ -638,10 +648,11 @@ def record_of(results, left, files, options):
         "",
         "Files of equal content count once, for the first package that has them. `joined`, `doubled`, `turned` and `sheets`\n"
         "are files with a sign for which [these rules](../docs/sign.md) changed the surface that decides: noise around zero,\n"
-        "doubled faces, faces that look the wrong way, sheets beside bodies. The last rule counts.",
+        "doubled faces, faces that look the wrong way, sheets beside bodies. The last rule counts. Seconds are of\n"
+        "processor time, of a file on average: one `info` and one `query`, with the start of two processes.",
         "",
         table(["package", "version", "files", "read", "unreadable", "nonzero", "parity", "solid angle", "no sign", "joined", "doubled",
-               "turned", "sheets", "wrong signs", "wrong distances", "largest error, voxel"], rows),
+               "turned", "sheets", "wrong signs", "wrong distances", "largest error, voxel", "seconds"], rows),
         "",
         "## Files that cannot be read",
         "",
