@@ -135,9 +135,9 @@ struct CellBox {
     FieldSlab values;
 };
 
-/// Writes boxes of refined levels as VTK's OverlappingAMR (.vtkhdf), with the outputs as data of cells: ParaView and VTK
-/// show coarse cells where no finer box covers them. Boxes of one spacing are a level, in any order; each spacing is a
-/// whole part of the next coarser one, and the cells of all levels fit the coarsest ones. Complete or not at all.
+/// Writes boxes of refined levels as VTK's OverlappingAMR (.vtkhdf), with the outputs as data of cells: ParaView and
+/// VTK show coarse cells where no finer box covers them. Boxes of one spacing are a level, in any order; each spacing
+/// is a whole part of the next coarser one, and the cells of all levels fit the coarsest ones. Complete or not at all.
 /// read_field() does not read it; VTK 9.7 does, 9.1 does not. Throws Error(invalid_argument) that names the box,
 /// Error(unsupported) for another ending, Error(output_failure).
 CLSDF_EXPORT void write_overlapping_amr(std::span<const CellBox> boxes, const std::string& path);
