@@ -63,7 +63,7 @@ nb::tuple read(const std::string& path) {
         field = std::make_unique<Field>(read_field(path));
     }
     Field& own = *field;
-    const nb::capsule owner(field.release(), [](void* read) noexcept { delete static_cast<Field*>(read); });
+    const nb::capsule owner = owner_of(std::move(field));
     nb::dict arrays;
     for (const OutputInfo& info : output_table()) {
         const auto bytes = own.bytes(info.output);

@@ -182,17 +182,14 @@ Matrix rotation_near(const Matrix& matrix) {
 // The positions R x + t, with the roundings of DistanceTransform::set_motion().
 auto moved(nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu> first, const Matrix& r,
            const Vec3& t) {
-    auto positions = std::make_unique<std::vector<Vec3>>(first.shape(0));
-    for (std::size_t i = 0; i < positions->size(); ++i) {
+    std::vector<Vec3> positions(first.shape(0));
+    for (std::size_t i = 0; i < positions.size(); ++i) {
         const double* const x = first.data() + 3 * i;
         for (std::size_t a = 0; a < 3; ++a)
-            (*positions)[i][a] = std::fma(r[a][0], x[0], std::fma(r[a][1], x[1], std::fma(r[a][2], x[2], t[a])));
+            positions[i][a] = std::fma(r[a][0], x[0], std::fma(r[a][1], x[1], std::fma(r[a][2], x[2], t[a])));
     }
-    auto* const data = reinterpret_cast<double*>(positions->data());
-    const std::size_t rows = positions->size();
-    const nb::capsule owner(positions.release(),
-                            [](void* own) noexcept { delete static_cast<std::vector<Vec3>*>(own); });
-    return nb::ndarray<nb::numpy, double, nb::shape<-1, 3>>(data, {rows, 3}, owner);
+    const std::size_t rows = positions.size();
+    return array_in<nb::ndarray<nb::numpy, double, nb::shape<-1, 3>>>(std::move(positions), {rows, 3});
 }
 
 bool compile(const Body& body, const Grid& grid, const Band& band, const std::vector<std::string>& outputs,
