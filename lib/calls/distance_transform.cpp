@@ -78,6 +78,17 @@ DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions
         return DistanceTransform(state().restricted({regions.begin(), regions.end()}));
     });
 }
+std::vector<std::byte> DistanceTransform::part_bytes() const {
+    return with_host_memory("for the bytes of the part", [&] { return state().part_bytes(); });
+}
+DistanceTransform DistanceTransform::from_part(Device device, std::span<const std::byte> bytes,
+                                               std::optional<std::size_t> kept_bytes) {
+    return with_host_memory("for the part", [&] {
+        TransformOptions options;
+        options.kept_bytes = kept_bytes;
+        return DistanceTransform(State::of_part(std::move(device), bytes, options));
+    });
+}
 void DistanceTransform::set_positions(const InputArray& positions, const CallOptions& call) {
     with_host_memory("for the positions", [&] {
         State& state = this->state();

@@ -47,6 +47,9 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
 
     /// See DistanceTransform::restrict_to().
     std::unique_ptr<State> restricted(std::vector<Region> regions);
+    std::vector<std::byte> part_bytes();
+    static std::unique_ptr<State> of_part(Device device, std::span<const std::byte> bytes,
+                                          const TransformOptions& options);
 
     void set_positions(std::span<const Vec3> positions, const CallOptions& call);
     /// From memory of the device, which need not come to the host. Returns false, and has done nothing, if it must.

@@ -104,10 +104,11 @@ HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, std::shared_ptr<
     positions_.set(nullptr, share(std::move(made.positions)));
 }
 
-HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, MeshPart part)
-    : HomedMesh(all, tools, std::move(part.mesh), Vertices()) {
-    topology_.set(std::move(part.topology), nullptr);
-    frusta_.set(share(std::move(part.frusta)), nullptr);
+HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology,
+                     Frusta frusta)
+    : HomedMesh(all, tools, std::move(mesh), Vertices()) {
+    topology_.set(std::move(topology), nullptr);
+    frusta_.set(share(std::move(frusta)), nullptr);
 }
 
 const HomedMesh::FirstMesh& HomedMesh::first() {

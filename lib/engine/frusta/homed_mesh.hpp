@@ -45,7 +45,8 @@ public:
     /// A GPU has made the topology of the mesh as given; null if made.mesh has the arrays.
     HomedMesh(KeptValues& all, const DeviceTools& tools, std::shared_ptr<const Mesh> given, MadeTopology made);
     /// A part of a mesh, which does not move. Its frusta are on the host.
-    HomedMesh(KeptValues& all, const DeviceTools& tools, MeshPart part);
+    HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology,
+              Frusta frusta);
     HomedMesh(const HomedMesh&) = delete;
     HomedMesh& operator=(const HomedMesh&) = delete;
 

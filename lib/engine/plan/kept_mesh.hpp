@@ -14,7 +14,7 @@
 #include "launch/programs.hpp"
 #include "plan/job.hpp"
 #include "plan/lattice.hpp"
-#include "plan/restriction.hpp"
+#include "plan/region_part.hpp"
 #include "sign/exact_sides.hpp"
 #include "sign/sweep_mesh.hpp"
 #include "surface/open_edges.hpp"
@@ -67,9 +67,12 @@ public:
     KeptMesh(const KeptMesh&) = delete;
     KeptMesh& operator=(const KeptMesh&) = delete;
 
-    /// A mesh of only what samples and points of a box can need; see DistanceTransform::restrict_to().
-    std::unique_ptr<KeptMesh> restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
-                                         SignRule sign);
+    /// A mesh of only what samples and points of regions can need; see DistanceTransform::restrict_to().
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, RegionPart part, Options options);
+    /// What such a mesh of this one is made of.
+    RegionPart part_of_regions(std::vector<Region> regions, SignRule sign);
+    /// What this mesh was made of, if it is one.
+    RegionPart own_part();
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_.get().get(); }
     /// The triangles are pieces of faces, and are told by these.
@@ -219,9 +222,6 @@ public:
     std::size_t record_bytes() const;
 
 private:
-    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, MeshPart part, Restriction restriction,
-             Options options);
-
     /// The mesh's own values come first, then the lattices, the last used first.
     template <class Visit>
     void each_kept(const Visit& visit);
