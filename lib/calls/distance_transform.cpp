@@ -65,6 +65,14 @@ const Topology& DistanceTransform::topology() const {
 SignRule DistanceTransform::sign() const {
     return held_by(state_, "DistanceTransform").sign;
 }
+std::optional<double> DistanceTransform::floor() const {
+    return held_by(state_, "DistanceTransform").floor;
+}
+std::string DistanceTransform::mesh_name() const {
+    State& state = held_by(state_, "DistanceTransform");
+    const std::scoped_lock lock(state.mutex);
+    return state.kept_mesh->name();
+}
 Device DistanceTransform::device() const {
     return held_by(state_, "DistanceTransform").device;
 }

@@ -994,6 +994,17 @@ CLSDF_API clsdf_status clsdf_transform_from_arrays(const clsdf_device* device, c
 CLSDF_API clsdf_status clsdf_transform_restrict(const clsdf_transform* transform, const clsdf_region* regions,
                                                 int64_t count, clsdf_transform** restricted);
 
+/* A restricted transform as bytes, for another process or for later: *count of them, into `bytes`, which has room for
+ * `room`. With bytes null and room 0 only *count is set; if the room is too small nothing is written, and *count is
+ * set, too (CLSDF_INVALID_ARGUMENT). A whole transform, or one of the outer surface, is CLSDF_UNSUPPORTED. */
+CLSDF_API clsdf_status clsdf_transform_part_bytes(const clsdf_transform* transform, uint8_t* bytes, int64_t room,
+                                                  int64_t* count);
+/* The restricted transform of these bytes, without the mesh, on any device. They are of the same version of clsdf and
+ * of this kind of machine; damaged or foreign bytes are CLSDF_INVALID_ARGUMENT. Their hash tells damage, not forgery.
+ */
+CLSDF_API clsdf_status clsdf_transform_from_part(const clsdf_device* device, const uint8_t* bytes, int64_t count,
+                                                 int32_t index_base, clsdf_transform** transform);
+
 /* New positions of all vertices, on the host or in a buffer. After an error the positions are those of before. */
 CLSDF_API clsdf_status clsdf_transform_set_positions(clsdf_transform* transform, const clsdf_array* positions,
                                                      const clsdf_call_options* call);

@@ -156,6 +156,19 @@ Body restrict_to(const Body& body, const std::vector<std::tuple<Vec3, Vec3, doub
     return Body(body.device(), body.read([&](const DistanceTransform& whole) { return whole.restrict_to(all); }));
 }
 
+nb::bytes part_bytes(const Body& body) {
+    const std::vector<std::byte> bytes =
+        body.read([](const DistanceTransform& transform) { return transform.part_bytes(); });
+    return {bytes.data(), bytes.size()};
+}
+
+Body of_part(const PyDevice& device, const nb::bytes& part, std::optional<std::size_t> kept_bytes) {
+    check_process();
+    const std::span bytes(static_cast<const std::byte*>(part.data()), part.size());
+    const nb::gil_scoped_release no_gil;
+    return Body(device, DistanceTransform::from_part(device.get(), bytes, kept_bytes));
+}
+
 void set_positions(Body& body, nb::handle positions, nb::handle wait_for) {
     Arrays arrays(&body.device());
     InputArray vertices = arrays.triples(positions, "positions");
@@ -257,6 +270,7 @@ void add_transforms(nb::module_& module) {
              nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
         .def("classify", &classify<DistanceTransform>, nb::arg("boxes"), nb::arg("half_width"))
         .def("restrict_to", &restrict_to, nb::arg("regions"))
+        .def("part_bytes", &part_bytes)
         .def("set_positions", &set_positions, nb::arg("positions"), nb::arg("wait_for").none())
         .def("set_motion", &set_motion, nb::arg("rotation"), nb::arg("translation"))
         .def("compile", &compile, nb::arg("grid"), nb::arg("band"), nb::arg("outputs"), nb::arg("progress").none())
@@ -274,6 +288,13 @@ void add_transforms(nb::module_& module) {
                          return std::string(
                              name_of(body.read([](const DistanceTransform& transform) { return transform.sign(); })));
                      })
+        .def_prop_ro(
+            "floor",
+            [](const Body& body) { return body.read([](const DistanceTransform& whole) { return whole.floor(); }); })
+        .def_prop_ro("mesh_name",
+                     [](const Body& body) {
+                         return body.read([](const DistanceTransform& whole) { return whole.mesh_name(); });
+                     })
         .def_prop_ro("memory",
                      [](const Body& body) {
                          const KeptMemory kept =
@@ -289,6 +310,7 @@ void add_transforms(nb::module_& module) {
         .def_prop_ro("device", [](const Body& body) { return body.device(); });
     module.def("make_body", &make, nb::arg("device"), nb::arg("vertices"), nb::arg("faces"), nb::arg("sign"),
                nb::arg("kept_bytes").none(), nb::arg("floor").none() = nb::none(), nb::arg("is_outer") = false);
+    module.def("of_part", &of_part, nb::arg("device"), nb::arg("part"), nb::arg("kept_bytes").none());
     module.def("rotation_near", &rotation_near, nb::arg("matrix"), "The rotation that was rounded to floats.");
     module.def("moved", &moved, nb::arg("first"), nb::arg("rotation"), nb::arg("translation"),
                "The positions rotation @ x + translation, as a transform has them.");

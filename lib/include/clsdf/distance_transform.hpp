@@ -408,6 +408,10 @@ public:
     const Topology& topology() const;
     /// The rule in use, never `automatic`.
     SignRule sign() const;
+    /// Of the sign rule `below`: z of the floor.
+    std::optional<double> floor() const;
+    /// The mesh's, which fields and their files have.
+    std::string mesh_name() const;
     Device device() const;
     KeptMemory memory() const;
     /// Builds the programs that such a field needs and, the first time, tests them: known fields are computed and
