@@ -54,9 +54,7 @@ public:
         }
     }
 
-private:
-    std::atomic_ref<std::uint32_t> parent(std::uint32_t number) { return std::atomic_ref(parent_[number]); }
-
+    /// The same number for all of a set, once no thread joins: the lowest.
     std::uint32_t root(std::uint32_t number) {
         for (;;) {
             const std::uint32_t above = parent(number).load(std::memory_order_relaxed);
@@ -66,6 +64,9 @@ private:
             number = next;
         }
     }
+
+private:
+    std::atomic_ref<std::uint32_t> parent(std::uint32_t number) { return std::atomic_ref(parent_[number]); }
 
     UninitializedVector<std::uint32_t> parent_;
 };
