@@ -6,6 +6,7 @@
 #include "cutting/cut_slab.hpp"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <array>
@@ -150,7 +151,8 @@ public:
         return row;
     }
 
-    bool is_full(bool is_solid) const { return is_solid == (options_.part == CellPart::solid); }
+    /// Of the solid.
+    CellType type_of_full() const { return options_.part == CellPart::solid ? CellType::full : CellType::empty; }
 
 private:
     double part(double solid) const { return options_.part == CellPart::solid ? solid : 1 - solid; }
@@ -181,33 +183,17 @@ public:
     }
 
     void run(const Cancellation& cancellation) {
-        for_each_range(
+        tbb::enumerable_thread_specific<Worker> workers;
+        for_each_index(
             slabs_.size(),
-            [&](std::size_t begin, std::size_t end) {
-                const Grid* grid = nullptr;
-                std::unique_ptr<Slab> slab;
-                for (std::size_t n = begin; n != end; ++n) {
-                    cancellation.check();
-                    OneSlab& one = slabs_[n];
-                    const std::span<const std::uint32_t> faces = one.lattice->faces(one.grid->first[2] + one.k);
-                    if (faces.empty()) continue;
-                    if (grid != one.grid) {
-                        grid = one.grid;
-                        slab = std::make_unique<Slab>(one.lattice->triangles(), one.lattice->positions(), *grid,
-                                                      options_.walls);
-                    }
-                    one.are_full.assign(static_cast<std::size_t>((grid->size[0] - 1) * (grid->size[1] - 1)), false);
-                    std::vector<CutCell> rows;
-                    slab->run(one.k, faces, rows, one.are_full);
-                    const Convention convention(options_, *grid);
-                    one.rows.reserve(rows.size());
-                    for (const CutCell& row : rows) one.rows.push_back(convention.row(row));
-                }
+            [&](std::size_t n) {
+                cancellation.check();
+                run(slabs_[n], workers.local());
             },
-            4);
+            1);
         std::size_t at = 0;
         for (Fractions& result : results_) {
-            const auto [nx, ny, nz] = result.counts();
+            const std::size_t nz = result.counts()[2];
             finish(result, std::span(slabs_).subspan(at, nz));
             at += nz;
         }
@@ -220,32 +206,57 @@ private:
         const OnLattice* lattice;
         std::int64_t k;
         std::vector<CellFraction> rows;
-        std::vector<bool> are_full;  ///< of solid; empty: none is
+        std::vector<std::uint8_t> full;  ///< bytes of Fractions::full, with this slab's bits alone
+    };
+    /// The memory of a thread.
+    struct Worker {
+        const Grid* grid = nullptr;
+        std::unique_ptr<Slab> slab;
+        std::vector<CutCell> rows;
+        std::vector<CellType> types;
     };
 
-    void finish(Fractions& result, std::span<OneSlab> slabs) const {
-        const Convention convention(options_, result.grid);
-        const std::size_t per_slab = result.counts()[0] * result.counts()[1];
+    void run(OneSlab& one, Worker& worker) const {
+        const Grid& grid = *one.grid;
+        const auto cells = static_cast<std::size_t>((grid.size[0] - 1) * (grid.size[1] - 1));
+        const Convention convention(options_, grid);
+        // In whole bytes of bits; cells of other slabs are never full.
+        const std::size_t shift = static_cast<std::size_t>(one.k) * cells % 8;
+        one.full.resize((shift + cells + 7) / 8);
+        worker.types.assign(8 * one.full.size(), CellType::cut);
+        const std::span<CellType> types = std::span(worker.types).subspan(shift, cells);
+        if (const auto faces = one.lattice->faces(grid.first[2] + one.k); faces.empty()) {
+            std::ranges::fill(types, CellType::empty);
+        } else {
+            if (worker.grid != one.grid)
+                worker.slab =
+                    std::make_unique<Slab>(one.lattice->triangles(), one.lattice->positions(), grid, options_.walls);
+            worker.grid = one.grid;
+            worker.rows.clear();
+            worker.slab->run(one.k, faces, worker.rows, types);
+            one.rows.reserve(worker.rows.size());
+            for (const CutCell& row : worker.rows) one.rows.push_back(convention.row(row));
+        }
+        const CellType wanted = convention.type_of_full();
+        for (std::size_t byte = 0; byte < one.full.size(); ++byte) {
+            unsigned bits = 0;
+            for (std::size_t bit = 0; bit < 8; ++bit) bits |= (worker.types[8 * byte + bit] == wanted ? 1U : 0U) << bit;
+            one.full[byte] = static_cast<std::uint8_t>(bits);
+        }
+    }
+
+    static void finish(Fractions& result, std::span<OneSlab> slabs) {
+        const auto [nx, ny, nz] = result.counts();
         std::size_t count = 0;
         for (const OneSlab& slab : slabs) count += slab.rows.size();
         result.cells.reserve(count);
-        result.full.assign((slabs.size() * per_slab + 7) / 8, 0);
-        const auto set = [&](std::size_t bit, bool value) {
-            std::uint8_t& byte = result.full[bit / 8];
-            const auto mask = static_cast<std::uint8_t>(1U << bit % 8);
-            byte = static_cast<std::uint8_t>(value ? byte | mask : byte & ~mask);
-        };
+        result.full.assign((nx * ny * nz + 7) / 8, 0);
         for (std::size_t k = 0; k < slabs.size(); ++k) {
-            OneSlab& slab = slabs[k];
-            for (std::size_t cell = 0; cell < per_slab; ++cell)
-                if (convention.is_full(!slab.are_full.empty() && slab.are_full[cell])) set(k * per_slab + cell, true);
-            for (const CellFraction& row : slab.rows) {
-                const auto i = static_cast<std::size_t>(row.cell[0] - result.grid.first[0]),
-                           j = static_cast<std::size_t>(row.cell[1] - result.grid.first[1]);
-                set(k * per_slab + j * result.counts()[0] + i, false);
-            }
-            result.cells.insert(result.cells.end(), slab.rows.begin(), slab.rows.end());
-            slab = {};
+            const std::size_t first = k * nx * ny / 8;
+            for (std::size_t byte = 0; byte < slabs[k].full.size(); ++byte)
+                result.full[first + byte] = static_cast<std::uint8_t>(result.full[first + byte] | slabs[k].full[byte]);
+            result.cells.insert(result.cells.end(), slabs[k].rows.begin(), slabs[k].rows.end());
+            slabs[k] = {};
         }
     }
 

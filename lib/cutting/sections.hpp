@@ -9,17 +9,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 namespace clsdf::cutting {
 
-/// A sum that rounds once (A. Neumaier, 1974).
+/// A sum that rounds once (A. Neumaier, 1974), with the rest of each addition by D. Knuth's, which has no branch.
 class Sum {
 public:
     void add(double value) {
-        const double sum = sum_ + value;
-        rest_ += std::abs(sum_) >= std::abs(value) ? (sum_ - sum) + value : (value - sum) + sum_;
+        const double sum = sum_ + value, part = sum - sum_;
+        rest_ += (sum_ - (sum - part)) + (value - part);
         sum_ = sum;
     }
     double value() const { return sum_ + rest_; }
@@ -57,8 +58,10 @@ template <typename Item>
 class FewItems {
 public:
     void reset(std::size_t count) {
-        if (numbers_.size() != count) numbers_.assign(count, 0);
-        for (const std::size_t place : places_) numbers_[place] = 0;
+        if (numbers_.size() == count)
+            for (const std::size_t place : places_) numbers_[place] = 0;
+        else
+            numbers_.assign(count, 0);
         places_.clear();
         items_.clear();
     }
@@ -70,6 +73,8 @@ public:
         }
         return items_[numbers_[place] - 1];
     }
+    /// Those that are not missing, in the order in which they were made.
+    std::span<const std::size_t> places() const { return places_; }
     /// Null if it is missing.
     const Item* find(std::size_t place) const { return numbers_[place] == 0 ? nullptr : &items_[numbers_[place] - 1]; }
 

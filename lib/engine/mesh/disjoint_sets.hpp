@@ -15,7 +15,11 @@ namespace clsdf {
 /// Numbers from 0 on in sets that are joined (union-find).
 class DisjointSets {
 public:
-    explicit DisjointSets(std::size_t count) : parent_(count) {
+    explicit DisjointSets(std::size_t count) { reset(count); }
+
+    /// Each number in a set of its own.
+    void reset(std::size_t count) {
+        parent_.resize(count);
         std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
     }
 
