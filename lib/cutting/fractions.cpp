@@ -267,6 +267,8 @@ private:
 
 /// Cells of grids that are in memory together, if there are several.
 constexpr std::int64_t batch_cells = std::int64_t{1} << 21;
+/// Layers of cells of a slab, at least: they are what cores share.
+constexpr std::int64_t least_layers = 16;
 
 }  // namespace
 
@@ -292,6 +294,7 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
                const FractionOptions& options, const CallOptions& call) {
     check(options);
     for (const Grid& grid : grids) check(grid);
+    if (!sink) throw Error(ErrorCode::invalid_argument, "fractions of cells need a sink, and it is empty");
     const Cancellation cancellation(call.should_stop);
     Lattices lattices(surface.mesh, grids, options);
     for (std::size_t begin = 0, end = 0; begin < grids.size(); begin = end) {
@@ -313,6 +316,25 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
         }
         if (call.progress) call.progress({.fraction = static_cast<double>(end) / static_cast<double>(grids.size())});
     }
+}
+
+void fraction_slabs(const OuterSurface& surface, const Grid& grid, const FractionSink& sink,
+                    const FractionOptions& options, const CallOptions& call) {
+    check(grid);
+    const auto [nx, ny, nz] = grid.size;
+    const std::int64_t layers = std::max(least_layers, batch_cells / ((nx - 1) * (ny - 1)));
+    std::vector<Grid> slabs;
+    for (std::int64_t k = 0; k < nz - 1; k += layers)
+        slabs.push_back(grid.part({0, 0, k}, {nx, ny, std::min(layers, nz - 1 - k) + 1}));
+    fractions(surface, slabs, sink, options, call);
+}
+
+std::size_t count_fractions(const OuterSurface& surface, const Grid& grid, const FractionOptions& options,
+                            const CallOptions& call) {
+    std::size_t count = 0;
+    fraction_slabs(
+        surface, grid, [&](std::size_t, const Fractions& found) { count += found.cells.size(); }, options, call);
+    return count;
 }
 
 Fractions fractions(const OuterSurface& surface, const Grid& grid, const FractionOptions& options,
