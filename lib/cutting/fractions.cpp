@@ -1,6 +1,7 @@
 #include <clsdf/error.hpp>
 #include <clsdf/fractions.hpp>
 
+#include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "cutting/cancellation.hpp"
 #include "cutting/cut_slab.hpp"
@@ -31,12 +32,20 @@ using cutting::Slab;
 
 void check(const Grid& grid) {
     grid.validate();
-    for (std::size_t axis = 0; axis < 3; ++axis)
+    constexpr std::int64_t farthest = std::numeric_limits<std::int32_t>::max();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
         if (grid.size[axis] < 2)
             throw Error(
                 ErrorCode::invalid_argument,
                 fmt::format("the grid has {} sample along {}, so no cells: give two samples or more on each axis",
                             grid.size[axis], "xyz"[axis]));
+        const std::int64_t first = grid.first[axis], last = first + grid.size[axis] - 1;
+        if (first < -farthest || last > farthest)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the grid's samples {} to {} along {} lie beyond 2^31 - 1 samples from its origin, "
+                                    "and cells are numbered from there; move the origin nearer",
+                                    first, last, "xyz"[axis]));
+    }
 }
 
 void check(const FractionOptions& options) {
@@ -295,27 +304,30 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
     check(options);
     for (const Grid& grid : grids) check(grid);
     if (!sink) throw Error(ErrorCode::invalid_argument, "fractions of cells need a sink, and it is empty");
-    const Cancellation cancellation(call.should_stop);
-    Lattices lattices(surface.mesh, grids, options);
-    for (std::size_t begin = 0, end = 0; begin < grids.size(); begin = end) {
-        std::int64_t cells = 0;
-        do {
-            const Grid& grid = grids[end];
-            cells += (grid.size[0] - 1) * (grid.size[1] - 1) * (grid.size[2] - 1);
-            ++end;
-        } while (end < grids.size() && cells < batch_cells);
-        Batch batch(grids.subspan(begin, end - begin), lattices, options);
-        batch.run(cancellation);
-        for (std::size_t n = begin; n < end; ++n) {
-            try {
-                sink(n, batch.results()[n - begin]);
-            } catch (const std::bad_alloc&) {
-                throw Error(ErrorCode::out_of_memory, "the function that takes fractions of cells got no memory");
+    with_host_memory("for the cells of the grids; give smaller ones, or take slabs (fraction_slabs())", [&] {
+        const Cancellation cancellation(call.should_stop, "the search for cut cells");
+        Lattices lattices(surface.mesh, grids, options);
+        for (std::size_t begin = 0, end = 0; begin < grids.size(); begin = end) {
+            double cells = 0;  // of any size
+            do {
+                const auto [nx, ny, nz] = grids[end].size;
+                cells += static_cast<double>(nx - 1) * static_cast<double>(ny - 1) * static_cast<double>(nz - 1);
+                ++end;
+            } while (end < grids.size() && cells < batch_cells);
+            Batch batch(grids.subspan(begin, end - begin), lattices, options);
+            batch.run(cancellation);
+            for (std::size_t n = begin; n < end; ++n) {
+                try {
+                    sink(n, batch.results()[n - begin]);
+                } catch (const std::bad_alloc&) {
+                    throw Error(ErrorCode::out_of_memory, "the function that takes fractions of cells got no memory");
+                }
+                batch.results()[n - begin] = {};
             }
-            batch.results()[n - begin] = {};
+            if (call.progress)
+                call.progress({.fraction = static_cast<double>(end) / static_cast<double>(grids.size())});
         }
-        if (call.progress) call.progress({.fraction = static_cast<double>(end) / static_cast<double>(grids.size())});
-    }
+    });
 }
 
 void fraction_slabs(const OuterSurface& surface, const Grid& grid, const FractionSink& sink,

@@ -160,7 +160,7 @@ std::string warning_of(const ResolvedSignRule& resolved, const OuterSurface& sur
 
 /// for_transform: also what transforms need beside the surface.
 cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptions& call, bool for_transform) {
-    const Cancellation cancellation(call.should_stop);
+    const Cancellation cancellation(call.should_stop, "the search for the outer surface");
     const std::vector<std::uint32_t> first = first_equal_vertices(given.vertices());
     std::optional<Mesh> one_of_each;
     for (std::size_t v = 0; v < first.size() && !one_of_each; ++v)

@@ -432,8 +432,47 @@ BOOST_AUTO_TEST_CASE(two_walls_of_a_wedge_are_two_pieces) {
     BOOST_TEST(std::abs(found.cells[0].volume - 0.2) < 1e-12);
 }
 
+BOOST_AUTO_TEST_CASE(conventions_are_one_row_told_in_other_ways) {
+    const Mesh mesh = make_shape("knot");
+    const OuterSurface surface = outer(mesh);
+    const double side = mesh.box().longest_side() / 20;
+    for (const Vec3& spacing : {Vec3{side, side, side}, Vec3{side, 2 * side, side / 2}}) {
+        const Grid grid = Grid::around(mesh.box(), {.spacing = spacing});
+        const Fractions plain = fractions(surface, grid),
+                        amrex = fractions(surface, grid, FractionOptions::of("amrex")),
+                        vtk = fractions(surface, grid, FractionOptions::of("vtk"));
+        BOOST_REQUIRE(amrex.cells.size() == plain.cells.size());
+        BOOST_REQUIRE(vtk.cells.size() == plain.cells.size());
+        for (std::size_t n = 0; n < plain.cells.size(); ++n) {
+            const CellFraction &row = plain.cells[n], &of_faces = amrex.cells[n], &points = vtk.cells[n];
+            Vec3 across;
+            for (std::size_t d = 0; d < 3; ++d) {
+                const double middle = grid.origin[d] + spacing[d] * (row.cell[d] + 0.5);
+                BOOST_TEST(std::abs(points.centroid[d] - (middle + spacing[d] * row.centroid[d])) < 1e-12 * side);
+                BOOST_TEST(std::abs(points.surface_centroid[d] - (middle + spacing[d] * row.surface_centroid[d])) <
+                           1e-12 * side);
+                // Differences of opposite faces are the area times the normal, in cubes.
+                const double between = of_faces.face_fractions[2 * d] - of_faces.face_fractions[2 * d + 1];
+                if (spacing[0] == spacing[1]) BOOST_TEST(std::abs(between - of_faces.vector_area[d]) < 1e-12);
+                across[d] = row.vector_area[d] * spacing[(d + 1) % 3] * spacing[(d + 2) % 3];
+            }
+            const double whole = length(row.vector_area);
+            if (whole < 1e-9 * side * side) continue;
+            BOOST_TEST(std::abs(of_faces.area - whole * whole / length(across)) < 1e-12);
+            BOOST_TEST(std::abs(length(of_faces.vector_area) - of_faces.area) < 1e-12);
+        }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_grid_without_cells_is_refused) {
     const Mesh box = test::box({0, 0, 0}, {1, 1, 1});
+    check_throws(ErrorCode::invalid_argument, {"3000000000 to 3000000002 along z", "origin"}, [&] {
+        fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {3, 3, 3}, {0, 0, 3000000000}});
+    });
+    // More bytes than a process has addresses.
+    check_throws(ErrorCode::out_of_memory, {"cells of the grids", "fraction_slabs()"}, [&] {
+        fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {40000000, 40000000, 5}});
+    });
     check_throws(ErrorCode::invalid_argument, {"1 sample along y"}, [&] {
         fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {3, 1, 3}});
     });

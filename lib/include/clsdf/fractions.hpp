@@ -156,7 +156,8 @@ struct FractionRows {
 ///
 /// A grid may be a part of a lattice: each cell has the same bytes as in the whole. Uses all cores; may be called by
 /// many threads. Throws the errors of outer() and of the validation of the grid; Error(invalid_argument) unless it has
-/// two samples or more on each axis. Of `call`, should_stop and progress count.
+/// two samples or more on each axis, none of them 2^31 or more from its origin; Error(out_of_memory). Of `call`,
+/// should_stop and progress count.
 CLSDF_EXPORT Fractions fractions(const Mesh& mesh, const Grid& grid, SignRule sign = SignRule::automatic,
                                  const CallOptions& call = {});
 CLSDF_EXPORT Fractions fractions(const Mesh& mesh, const Grid& grid, const FractionOptions& options,
