@@ -103,9 +103,10 @@ void Slab::run(std::int64_t k, std::span<const std::uint32_t> faces, std::vector
         rows.push_back(row(static_cast<std::int64_t>(place % width), static_cast<std::int64_t>(place / width),
                            *cells_.find(place)));
     // Without surface in a cell its high face is as that face's edge, which runs along y.
-    for (std::int64_t j = 0; j < counts_[1]; ++j)
-        for (std::int64_t i = 0; i < counts_[0]; ++i)
-            types[index(i, j)] = z_.is_edge_solid(1, i, j) ? CellType::full : CellType::empty;
+    std::ranges::fill(types, CellType::empty);
+    for (std::int64_t i = 0; i < counts_[0]; ++i)
+        for (std::int64_t j = 0; z_.may_be_solid(1, i) && j < counts_[1]; ++j)
+            if (z_.is_edge_solid(1, i, j)) types[index(i, j)] = CellType::full;
     for (const std::size_t place : places_) types[place] = CellType::cut;
 }
 
