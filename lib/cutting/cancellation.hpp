@@ -16,9 +16,11 @@ public:
 
     /// Throws Error(cancelled) if the caller says so.
     void check() const {
-        if (should_stop_ && std::this_thread::get_id() == thread_ && should_stop_())
+        if (should_stop_ && is_callers_thread() && should_stop_())
             throw Error(ErrorCode::cancelled, std::string(what_) + " was cancelled");
     }
+
+    bool is_callers_thread() const { return std::this_thread::get_id() == thread_; }
 
 private:
     const std::function<bool()>& should_stop_;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -191,13 +192,18 @@ public:
         }
     }
 
-    void run(const Cancellation& cancellation) {
+    /// progress(fraction) is called on the caller's thread.
+    void run(const Cancellation& cancellation, const auto& progress) {
         tbb::enumerable_thread_specific<Worker> workers;
+        std::atomic<std::size_t> done = 0;
         for_each_index(
             slabs_.size(),
             [&](std::size_t n) {
                 cancellation.check();
                 run(slabs_[n], workers.local());
+                ++done;
+                if (cancellation.is_callers_thread())
+                    progress(static_cast<double>(done) / static_cast<double>(slabs_.size()));
             },
             1);
         std::size_t at = 0;
@@ -315,7 +321,11 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
                 ++end;
             } while (end < grids.size() && cells < batch_cells);
             Batch batch(grids.subspan(begin, end - begin), lattices, options);
-            batch.run(cancellation);
+            const auto tell = [&](double fraction) {
+                const double grids_done = static_cast<double>(begin) + fraction * static_cast<double>(end - begin);
+                if (call.progress) call.progress({.fraction = grids_done / static_cast<double>(grids.size())});
+            };
+            batch.run(cancellation, tell);
             for (std::size_t n = begin; n < end; ++n) {
                 try {
                     sink(n, batch.results()[n - begin]);
@@ -324,8 +334,7 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
                 }
                 batch.results()[n - begin] = {};
             }
-            if (call.progress)
-                call.progress({.fraction = static_cast<double>(end) / static_cast<double>(grids.size())});
+            tell(1);
         }
     });
 }

@@ -116,8 +116,14 @@ BOOST_AUTO_TEST_CASE(many_boxes_have_the_bytes_of_one_each) {
         BOOST_TEST(next == grids.size());
     }
     CallOptions call;
+    std::vector<double> progress;
+    call.progress = [&](const Progress& told) { progress.push_back(told.fraction); };
+    fractions(surface, fine, {}, call);
+    BOOST_TEST(progress.size() > 2U);
+    BOOST_TEST(std::ranges::is_sorted(progress));
+    BOOST_TEST(progress.back() == 1);
     call.should_stop = [] { return true; };
-    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { fractions(surface, coarse, {}, call); });
+    check_throws(ErrorCode::cancelled, {"cut cells", "cancelled"}, [&] { fractions(surface, coarse, {}, call); });
 }
 
 BOOST_AUTO_TEST_CASE(dense_arrays_are_the_rows) {
