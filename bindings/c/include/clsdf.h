@@ -1404,6 +1404,26 @@ typedef struct clsdf_fraction_request {
     clsdf_array face_centroids[3]; /* an item is two */
 } clsdf_fraction_request;
 
+/* The cells of a slab, as those of a grid above: `part` is the slab, whole layers of cells. */
+typedef int32_t (*clsdf_fraction_slab_function)(void* user, const clsdf_grid* part, const clsdf_cell_fraction* cells,
+                                                int64_t count, const uint8_t* full);
+
+/* The caller's arrays for the members of clsdf_cell_fraction, each of which may be without memory, of any strides: up
+ * to the last `room` items, one for each cell that the surface meets; float64 or float32, but for the first two. */
+typedef struct clsdf_fraction_row_arrays {
+    int64_t room;
+    clsdf_array cells;  /* int32, an item is three */
+    clsdf_array pieces; /* uint32 or int32 */
+    clsdf_array volume;
+    clsdf_array centroid; /* an item is three, as of the next but `area` */
+    clsdf_array area;
+    clsdf_array vector_area;
+    clsdf_array surface_centroid;
+    clsdf_array face_fractions; /* an item is six */
+    clsdf_array face_centroids; /* an item is twelve: two of each face */
+    clsdf_array full; /* uint8, for each cell of the grid, x fastest: 1 if it is wholly of the part; needs no room */
+} clsdf_fraction_row_arrays;
+
 /* The options of a convention: "plain", "amrex", "chombo" or "vtk". */
 CLSDF_API clsdf_status clsdf_fraction_convention(const char* name, clsdf_fraction_options* options);
 /* The parts of grids' cells that a mesh fills. A mesh of clsdf_mesh_outer() is used as it is; of others the outer
@@ -1416,6 +1436,22 @@ CLSDF_API clsdf_status clsdf_fractions(const clsdf_mesh* mesh, int32_t sign, con
 CLSDF_API clsdf_status clsdf_fraction_arrays(const clsdf_mesh* mesh, int32_t sign,
                                              const clsdf_fraction_request* requests, int64_t request_count,
                                              const clsdf_fraction_options* options, const clsdf_call_options* call);
+/* The cells of a grid of any size, slab by slab in the order of z: their rows, one slab after another, are those of
+ * clsdf_fractions(). */
+CLSDF_API clsdf_status clsdf_fraction_slabs(const clsdf_mesh* mesh, int32_t sign, const clsdf_grid* grid,
+                                            const clsdf_fraction_options* options, clsdf_fraction_slab_function sink,
+                                            void* user, const clsdf_call_options* call);
+/* How many cells of a grid the surface meets. Takes the time of clsdf_fraction_slabs(). */
+CLSDF_API clsdf_status clsdf_count_fractions(const clsdf_mesh* mesh, int32_t sign, const clsdf_grid* grid,
+                                             const clsdf_fraction_options* options, const clsdf_call_options* call,
+                                             int64_t* count);
+/* The rows of a grid into the caller's arrays. `count` gets how many there are. If the arrays have less room,
+ * CLSDF_INVALID_ARGUMENT, `count` has it, and nothing is written. device: arrays may be buffers of its context; null:
+ * they are on the host. */
+CLSDF_API clsdf_status clsdf_fraction_rows(const clsdf_mesh* mesh, int32_t sign, const clsdf_device* device,
+                                           const clsdf_grid* grid, const clsdf_fraction_row_arrays* arrays,
+                                           const clsdf_fraction_options* options, const clsdf_call_options* call,
+                                           int64_t* count);
 
 /* ---- Plans ---- */
 
