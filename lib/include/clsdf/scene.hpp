@@ -78,6 +78,11 @@ public:
                       const CallOptions& call = {});
     std::uint32_t add(const MeshView& mesh, const Pose& pose = {}, SignRule sign = SignRule::automatic,
                       const CallOptions& call = {});
+    /// Adds many bodies, which are prepared on all cores, and returns the number of the first; those of the others
+    /// follow. poses: of each, or empty. Throws as add(), and Error(invalid_argument) for another number of poses; then
+    /// none is added. Functions of `call` are called by one thread at a time.
+    std::uint32_t add(std::span<const Mesh> meshes, std::span<const Pose> poses = {},
+                      SignRule sign = SignRule::automatic, const CallOptions& call = {});
     /// Adds a body that has the mesh and the sign rule of another one.
     std::uint32_t add_instance(std::uint32_t of, const Pose& pose = {});
 
@@ -144,6 +149,12 @@ public:
     TransformStatistics query(const InputArray& points, double half_width, const SceneTargets& targets,
                               const CallOptions& call = {}) const;
 
+    /// The same with a half width for each body, by its number: one of which no face is within its own does not count,
+    /// unless the point is inside. Beyond all of them the distance is the greatest, with a sign as above. Also throws
+    /// Error(invalid_argument) for another number of them, and if `is_own` is not empty.
+    TransformStatistics query(const InputArray& points, std::span<const double> half_widths,
+                              const SceneTargets& targets, const CallOptions& call = {}) const;
+
     /// As query(), for many configurations of the bodies in one call: `poses` has size() of them for each, and arrays
     /// have an item for each configuration and point, those of a configuration one after the other. Each has the bytes
     /// of set_poses() and query(). The scene's own poses stay. Also throws Error(invalid_argument) if the poses are no
@@ -156,6 +167,11 @@ public:
     /// off.
     TransformStatistics query_pairs(const InputArray& points, std::span<const PointOfBody> pairs, double half_width,
                                     const OutputTargets& targets, const CallOptions& call = {}) const;
+
+    /// The same with a half width for each body, by its number.
+    TransformStatistics query_pairs(const InputArray& points, std::span<const PointOfBody> pairs,
+                                    std::span<const double> half_widths, const OutputTargets& targets,
+                                    const CallOptions& call = {}) const;
 
     /// 1 for each point that is inside a body, else 0; a point on the surface of a body is not inside this one. A point
     /// that is not finite has 0.
