@@ -367,5 +367,12 @@ int main(void) {
     MEMBER(clsdf_fraction_request, surface_centroid);
     MEMBER(clsdf_fraction_request, face_fractions);
     MEMBER(clsdf_fraction_request, face_centroids);
+    SIZE(clsdf_cuda_array);
+    MEMBER(clsdf_cuda_array, address);
+    MEMBER(clsdf_cuda_array, bytes);
+    MEMBER(clsdf_cuda_array, stream);
+    MEMBER(clsdf_cuda_array, name);
+    MEMBER(clsdf_cuda_array, access);
+    MEMBER(clsdf_cuda_array, reserved);
     return 0;
 }
