@@ -16,7 +16,7 @@ clsdf_documented_code(flow 2 integrations integrations/peclet/flow_past_a_body.p
 clsdf_documented_code(dealii 3 integrations integrations/dealii/examples/forest.cpp integrations/dealii/tests/forest_test.cpp)
 clsdf_documented_code(amrex 7 integrations tests/documents/amrex_classes.hpp tests/documents/amrex.cpp
                       tests/documents/amrex_cuda.cpp)
-clsdf_documented_code(cuda 4 integrations tests/disguise/cuda_arrays.cpp bindings/c/examples/field_for_cuda.c)
+clsdf_documented_code(cuda 4 examples examples/field_for_cuda.cpp bindings/c/examples/field_for_cuda.c)
 
 # AMReX is not installed: a stand-in for its classes.
 add_executable(test_code_for_amrex ${CMAKE_CURRENT_LIST_DIR}/amrex.cpp)
