@@ -379,5 +379,12 @@ int main(void) {
     MEMBER(clsdf_fraction_row_arrays, face_fractions);
     MEMBER(clsdf_fraction_row_arrays, face_centroids);
     MEMBER(clsdf_fraction_row_arrays, full);
+    SIZE(clsdf_cuda_array);
+    MEMBER(clsdf_cuda_array, address);
+    MEMBER(clsdf_cuda_array, bytes);
+    MEMBER(clsdf_cuda_array, stream);
+    MEMBER(clsdf_cuda_array, name);
+    MEMBER(clsdf_cuda_array, access);
+    MEMBER(clsdf_cuda_array, reserved);
     return 0;
 }
