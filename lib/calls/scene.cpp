@@ -3,11 +3,15 @@
 #include "calls/scene_state.hpp"
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
+#include "core/parallel.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <list>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -35,6 +39,17 @@ namespace {
 
 std::string of_body(std::size_t body) {
     return fmt::format(" of body {}", body);
+}
+
+void refuse_below(SignRule sign) {
+    if (sign == SignRule::below)
+        throw Error(ErrorCode::unsupported,
+                    "the sign rule below has walls along z, which do not turn with a body of a scene; close_down() "
+                    "makes a closed mesh");
+}
+
+void refuse_more_than_numbers(std::size_t bodies) {
+    if (bodies > no_body) throw Error(ErrorCode::unsupported, fmt::format("a scene has at most {} bodies", no_body));
 }
 
 }  // namespace
@@ -75,22 +90,64 @@ std::shared_ptr<const scenes::BodyTree> Scene::State::current_tree() {
 }
 
 template <typename MeshOrView>
+Scene::State::Shape Scene::State::make_shape(const MeshOrView& mesh, SignRule sign, const CallOptions& call) const {
+    DistanceTransform transform(device, mesh, {.sign = sign, .kept_bytes = options.kept_bytes}, call);
+    const Box box = transform.box();
+    return {std::move(transform), box, sign};
+}
+
+template <typename MeshOrView>
 std::uint32_t Scene::State::add(const MeshOrView& mesh, const Pose& pose, SignRule sign, const CallOptions& call) {
-    if (sign == SignRule::below)
-        throw Error(ErrorCode::unsupported,
-                    "the sign rule below has walls along z, which do not turn with a body of a scene; close_down() "
-                    "makes a closed mesh");
-    return add_body(pose, [&]() -> Shape& {
-        DistanceTransform transform(device, mesh, {.sign = sign, .kept_bytes = options.kept_bytes}, call);
-        const Box box = transform.box();
-        return shapes.emplace_back(Shape{std::move(transform), box, sign});
-    });
+    refuse_below(sign);
+    return add_body(pose, [&]() -> Shape& { return shapes.emplace_back(make_shape(mesh, sign, call)); });
+}
+
+namespace {
+
+/// The same options for calls of several threads.
+CallOptions one_at_a_time(const CallOptions& call, std::mutex& mutex) {
+    CallOptions options;
+    const auto guarded = [&mutex](const auto& function) {
+        return [&mutex, &function](const auto&... arguments) {
+            const std::scoped_lock lock(mutex);
+            return function(arguments...);
+        };
+    };
+    if (call.should_stop) options.should_stop = guarded(call.should_stop);
+    if (call.progress) options.progress = guarded(call.progress);
+    if (call.log) options.log = guarded(call.log);
+    return options;
+}
+
+}  // namespace
+
+std::uint32_t Scene::State::add(std::span<const Mesh> meshes, std::span<const Pose> poses, SignRule sign,
+                                const CallOptions& call) {
+    refuse_below(sign);
+    if (!poses.empty() && poses.size() != meshes.size())
+        throw Error(ErrorCode::invalid_argument, fmt::format("there are {} poses and {} meshes; give as many, or none",
+                                                             poses.size(), meshes.size()));
+    refuse_more_than_numbers(bodies.size() + meshes.size());
+    const auto first = static_cast<std::uint32_t>(bodies.size());
+    std::vector<scenes::Frame> frames(meshes.size());
+    for (std::size_t i = 0; i < poses.size(); ++i) frames[i] = frame_of(poses[i], of_body(first + i));
+    std::mutex of_call;
+    const CallOptions options_of_mesh = one_at_a_time(call, of_call);
+    std::vector<std::list<Shape>> made(meshes.size());
+    for_each_index(
+        meshes.size(), [&](std::size_t i) { made[i].push_back(make_shape(meshes[i], sign, options_of_mesh)); }, 1);
+    bodies.reserve(std::max(2 * bodies.size(), bodies.size() + meshes.size()));  // so that nothing fails below
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        shapes.splice(shapes.end(), made[i]);
+        bodies.push_back({&shapes.back(), frames[i], true});
+    }
+    tree.reset();
+    return first;
 }
 
 template <typename MakeShape>
 std::uint32_t Scene::State::add_body(const Pose& pose, const MakeShape& make_shape) {
-    if (bodies.size() >= no_body)
-        throw Error(ErrorCode::unsupported, fmt::format("a scene has at most {} bodies", no_body));
+    refuse_more_than_numbers(bodies.size() + 1);
     const scenes::Frame frame = frame_of(pose, of_body(bodies.size()));
     if (bodies.size() == bodies.capacity()) bodies.reserve(2 * bodies.size() + 1);  // so that nothing fails below
     bodies.push_back({&make_shape(), frame, true});
@@ -114,6 +171,11 @@ std::uint32_t Scene::add(const Mesh& mesh, const Pose& pose, SignRule sign, cons
 
 std::uint32_t Scene::add(const MeshView& mesh, const Pose& pose, SignRule sign, const CallOptions& call) {
     return with_host_memory("for the body", [&] { return state().add(mesh, pose, sign, call); });
+}
+
+std::uint32_t Scene::add(std::span<const Mesh> meshes, std::span<const Pose> poses, SignRule sign,
+                         const CallOptions& call) {
+    return with_host_memory("for the bodies", [&] { return state().add(meshes, poses, sign, call); });
 }
 
 std::uint32_t Scene::add_instance(std::uint32_t of, const Pose& pose) {

@@ -133,6 +133,29 @@ private:
     std::vector<Vec3> copy_;
 };
 
+void check_one_a_body(std::span<const double> half_widths, std::size_t bodies) {
+    if (half_widths.size() != bodies)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("there are {} half widths and {} bodies; give as many", half_widths.size(), bodies));
+}
+
+/// Those of a call, which may be negative.
+class CheckedHalfWidths {
+public:
+    explicit CheckedHalfWidths(std::span<const double> given) : each_(given.begin(), given.end()) {
+        for (double& half_width : each_) {
+            points::check_half_width(half_width);
+            half_width = std::abs(half_width);
+            greatest_ = std::max(greatest_, half_width);
+        }
+    }
+    scenes::HalfWidths get() const { return {each_, greatest_}; }
+
+private:
+    std::vector<double> each_;
+    double greatest_ = 0;
+};
+
 /// Calls use(begin, count) for consecutive parts of [0, all); between them the call may be stopped.
 template <typename Use>
 void for_each_batch(std::size_t all, calls::RunningCall& running, const Use& use) {
@@ -183,8 +206,21 @@ std::string warning_of(const scenes::UnusableOfScene& unusable, std::size_t all,
 
 TransformStatistics Scene::query(const InputArray& points, double half_width, const SceneTargets& targets,
                                  const CallOptions& call) const {
-    return with_host_memory("for the points; give fewer at once",
-                            [&] { return state().query(points, {}, half_width, targets, call).published(); });
+    return with_host_memory("for the points; give fewer at once", [&] {
+        return state().query(points, {}, std::span(&half_width, 1), targets, call).published();
+    });
+}
+
+TransformStatistics Scene::query(const InputArray& points, std::span<const double> half_widths,
+                                 const SceneTargets& targets, const CallOptions& call) const {
+    return with_host_memory("for the points; give fewer at once", [&] {
+        check_one_a_body(half_widths, size());
+        if (!targets.is_own.empty())
+            throw Error(ErrorCode::invalid_argument,
+                        "is_own is asked for with a half width for each body; bodies beyond theirs do not count, so "
+                        "give one for all, or leave is_own out");
+        return state().query(points, {}, half_widths, targets, call).published();
+    });
 }
 
 TransformStatistics Scene::query_poses(const InputArray& points, std::span<const Pose> poses, double half_width,
@@ -200,15 +236,15 @@ TransformStatistics Scene::query_poses(const InputArray& points, std::span<const
         std::vector<scenes::Frame> frames(poses.size());
         for (std::size_t i = 0; i < poses.size(); ++i)
             frames[i] = frame_of(poses[i], fmt::format(" of body {} in configuration {}", i % bodies, i / bodies));
-        return state.query(points, frames, half_width, targets, call).published();
+        return state.query(points, frames, std::span(&half_width, 1), targets, call).published();
     });
 }
 
 CallStatistics Scene::State::query(const InputArray& points, std::optional<std::span<const scenes::Frame>> frames,
-                                   double half_width, const SceneTargets& targets, const CallOptions& call) {
+                                   std::span<const double> half_widths, const SceneTargets& targets,
+                                   const CallOptions& call) {
     require_bodies();
-    points::check_half_width(half_width);
-    half_width = std::abs(half_width);
+    const CheckedHalfWidths widths(half_widths);
     check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
     const std::size_t configurations = frames ? frames->size() / bodies.size() : 1;
     if (points.count > 0 && configurations > most_results / points.count)
@@ -230,7 +266,7 @@ CallStatistics Scene::State::query(const InputArray& points, std::optional<std::
             scenes::SceneArrays here{targets::arrays_from(first - begin, to)};
             if (!targets.is_own.empty()) here.is_own = targets.is_own.data() + first;
             scenes::UnusableOfScene unusable =
-                scenes::answer_points(scene, all.subspan(first % all.size(), end - first), half_width, here);
+                scenes::answer_points(scene, all.subspan(first % all.size(), end - first), widths.get(), here);
             unusable.first += first - begin;
             return unusable;
         };
@@ -266,42 +302,55 @@ CallStatistics Scene::State::query(const InputArray& points, std::optional<std::
 TransformStatistics Scene::query_pairs(const InputArray& points, std::span<const PointOfBody> pairs, double half_width,
                                        const OutputTargets& targets, const CallOptions& call) const {
     return with_host_memory("for the pairs; give fewer at once", [&] {
-        State& state = this->state();
-        state.require_bodies();
-        points::check_half_width(half_width);
-        half_width = std::abs(half_width);
-        check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
-        std::vector<scenes::Asked> asked(pairs.size());
-        for (std::size_t i = 0; i < pairs.size(); ++i) {
-            const auto [point, body] = pairs[i];
-            if (point >= points.count)
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("pair {} names point {}, and there are {}", i, point, points.count));
-            if (body >= state.bodies.size() || !state.bodies[body].is_active)
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("pair {} names body {}, which {}", i, body,
-                                        body < state.bodies.size()
-                                            ? std::string("is switched off")
-                                            : fmt::format("is not there: the scene has {}", state.bodies.size())));
-            asked[i] = {point, body};
-        }
-        calls::RunningCall running{call};
-        if (pairs.empty()) return running.finish().published();
-        PointsOfCall arrays(state.context(), points, targets, pairs.size(), {}, call);
-        const std::span<const Vec3> all = arrays.points();
-        const State::Call searched(state, targets::outputs_of(targets), pairs.size(), running);
-        const scenes::UnusableOfScene unusable =
-            in_batches(arrays.results(), pairs.size(), running,
-                       [&](std::size_t begin, std::size_t count, const targets::HostArrays& to) {
-                           return scenes::answer_pairs(searched.scene(), all, std::span(asked).subspan(begin, count),
-                                                       half_width, to);
-                       });
-        const std::string warning = warning_of(unusable, pairs.size(), "pair", all[pairs[unusable.first].point], call);
-        running.statistics.unusable_points = unusable.count;
-        arrays.unmap();
-        if (call.log && !warning.empty()) call.log(warning);
-        return running.finish().published();
+        return state().query_pairs(points, pairs, std::span(&half_width, 1), targets, call).published();
     });
+}
+
+TransformStatistics Scene::query_pairs(const InputArray& points, std::span<const PointOfBody> pairs,
+                                       std::span<const double> half_widths, const OutputTargets& targets,
+                                       const CallOptions& call) const {
+    return with_host_memory("for the pairs; give fewer at once", [&] {
+        check_one_a_body(half_widths, size());
+        return state().query_pairs(points, pairs, half_widths, targets, call).published();
+    });
+}
+
+CallStatistics Scene::State::query_pairs(const InputArray& points, std::span<const PointOfBody> pairs,
+                                         std::span<const double> half_widths, const OutputTargets& targets,
+                                         const CallOptions& call) {
+    require_bodies();
+    const CheckedHalfWidths widths(half_widths);
+    check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
+    std::vector<scenes::Asked> asked(pairs.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const auto [point, body] = pairs[i];
+        if (point >= points.count)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("pair {} names point {}, and there are {}", i, point, points.count));
+        if (body >= bodies.size() || !bodies[body].is_active)
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("pair {} names body {}, which {}", i, body,
+                            body < bodies.size() ? std::string("is switched off")
+                                                 : fmt::format("is not there: the scene has {}", bodies.size())));
+        asked[i] = {point, body};
+    }
+    calls::RunningCall running{call};
+    if (pairs.empty()) return running.finish();
+    PointsOfCall arrays(context(), points, targets, pairs.size(), {}, call);
+    const std::span<const Vec3> all = arrays.points();
+    const Call searched(*this, targets::outputs_of(targets), pairs.size(), running);
+    const scenes::UnusableOfScene unusable =
+        in_batches(arrays.results(), pairs.size(), running,
+                   [&](std::size_t begin, std::size_t count, const targets::HostArrays& to) {
+                       return scenes::answer_pairs(searched.scene(), all, std::span(asked).subspan(begin, count),
+                                                   widths.get(), to);
+                   });
+    const std::string warning = warning_of(unusable, pairs.size(), "pair", all[pairs[unusable.first].point], call);
+    running.statistics.unusable_points = unusable.count;
+    arrays.unmap();
+    if (call.log && !warning.empty()) call.log(warning);
+    return running.finish();
 }
 
 void Scene::contains(const InputArray& points, std::span<std::uint8_t> is_inside, const CallOptions& call) const {
@@ -321,7 +370,8 @@ void Scene::contains(const InputArray& points, std::span<std::uint8_t> is_inside
         for_each_batch(all.size(), running, [&](std::size_t begin, std::size_t count) {
             scenes::SceneArrays results;
             results.is_inside = is_inside.data() + begin;
-            scenes::answer_points(searched.scene(), all.subspan(begin, count), 0, results);
+            constexpr double none = 0;
+            scenes::answer_points(searched.scene(), all.subspan(begin, count), {std::span(&none, 1), none}, results);
         });
         memory.unmap();
         running.finish();

@@ -81,6 +81,10 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     /// Of the bodies that are on.
     scenes::BodyTree tree_at(std::span<const scenes::Frame> frames) const;
     template <typename MeshOrView>
+    Shape make_shape(const MeshOrView& mesh, SignRule sign, const CallOptions& call) const;
+    std::uint32_t add(std::span<const Mesh> meshes, std::span<const Pose> poses, SignRule sign,
+                      const CallOptions& call);
+    template <typename MeshOrView>
     std::uint32_t add(const MeshOrView& mesh, const Pose& pose, SignRule sign, const CallOptions& call);
     template <typename MakeShape>
     std::uint32_t add_body(const Pose& pose, const MakeShape& make_shape);
@@ -95,9 +99,13 @@ struct __attribute__((visibility("hidden"))) Scene::State {
 
     // scene_queries.cpp
     class Call;
-    /// frames: of all bodies for each configuration, or nothing for the poses that they have.
+    /// frames: of all bodies for each configuration, or nothing for the poses that they have. half_widths: one, or one
+    /// a body.
     CallStatistics query(const InputArray& points, std::optional<std::span<const scenes::Frame>> frames,
-                         double half_width, const SceneTargets& targets, const CallOptions& call);
+                         std::span<const double> half_widths, const SceneTargets& targets, const CallOptions& call);
+    CallStatistics query_pairs(const InputArray& points, std::span<const PointOfBody> pairs,
+                               std::span<const double> half_widths, const OutputTargets& targets,
+                               const CallOptions& call);
 
     Device device;
     SceneOptions options;

@@ -170,11 +170,13 @@ public:
 
     /// Stores the outputs of a point at its place among all. Returns whether it is within the half width, and has set
     /// closest() then, in the scene's coordinates.
-    bool store(const SearchedBody* body, const Found& found, const Vec3& point, double half_width, std::size_t at) {
+    bool store(const SearchedBody* body, const Found& found, const Vec3& point, const HalfWidths& half_widths,
+               std::size_t at) {
         bool is_within = false;
         if (found.face != CLSDF_NO_FACE) {
             const Vec3 in_units = mesh_of(*body).in_units(body->frame->to_body(point));
-            points::finish_on_host(*body->shape->finishing, in_units, found.face, found.sign, half_width, arrays_);
+            points::finish_on_host(*body->shape->finishing, in_units, found.face, found.sign,
+                                   half_widths.of(found.body), arrays_);
             is_within = is_finite(closest());
         }
         if (is_within) {
@@ -184,7 +186,7 @@ public:
             if (wanted_[Output::offset].is_wanted) turn(Output::offset, *body->frame);
             copy(at);
         } else {
-            leave(found.is_inside() ? -half_width : half_width, at);
+            leave(found.is_inside() ? -half_widths.greatest : half_widths.greatest, at);
         }
         return is_within;
     }
@@ -261,8 +263,8 @@ class Chunk {
 public:
     /// chosen: the numbers of its points, at most most_in_chunk.
     Chunk(const SearchedScene& scene, std::span<const Vec3> points, std::span<const std::uint32_t> chosen,
-          double half_width)
-        : scene_(scene), count_(chosen.size()), half_width_(half_width) {
+          const HalfWidths& half_widths)
+        : scene_(scene), count_(chosen.size()), half_widths_(half_widths) {
         for (std::size_t i = 0; i < count_; ++i) points_[i] = points[chosen[i]];
     }
 
@@ -274,9 +276,9 @@ public:
             const double unit = mesh_of(scene_.bodies[body]).lattice.unit;
             const auto found_of = [&](std::size_t i) -> Found& { return found_[holders_[first + i].point]; };
             look_up(
-                scene_.bodies[body], count, half_width_,
+                scene_.bodies[body], count, half_widths_.of(body),
                 [&](std::size_t i) { return points_[holders_[first + i].point]; },
-                [&](std::size_t i) { return most_of(found_of(i)); },
+                [&](std::size_t i) { return most_of(found_of(i), body); },
                 [&](std::size_t i, const points::NearestOfPoint& nearest) {
                     // Otherwise another body is deeper, whatever the sign.
                     return found_of(i).value > 0 || nearest.face == CLSDF_NO_FACE ||
@@ -292,7 +294,7 @@ public:
 
     /// Whether the point has a value: it is finite, and no body that may be nearest is too far to be searched.
     bool is_usable(std::size_t i) const {
-        const double distance = std::min(std::sqrt(std::max(found_[i].value, 0.0)), half_width_);
+        const double distance = std::min(std::sqrt(std::max(found_[i].value, 0.0)), half_widths_.greatest);
         return is_finite(points_[i]) &&
                (!found_[i].is_left_out || found_[i].value <= 0 || found_[i].not_searched > distance);
     }
@@ -350,7 +352,12 @@ private:
 
     /// How far a face of another body may be that counts, unless the point is inside that body: if the point is outside
     /// all bodies so far, the least distance, else the greatest depth.
-    double most_of(const Found& found) const { return std::min(half_width_, std::sqrt(std::abs(found.value))); }
+    double most_of(const Found& found) const {
+        return std::min(half_widths_.greatest, std::sqrt(std::abs(found.value)));
+    }
+    double most_of(const Found& found, std::uint32_t body) const {
+        return std::min(half_widths_.of(body), std::sqrt(std::abs(found.value)));
+    }
 
     static void leave_out(const SearchedBody& body, const Vec3& in_body, Found& found) {
         found.is_left_out = true;
@@ -363,13 +370,13 @@ private:
         scene_.tree.visit_near(points_[point], most_of(found), [&](std::uint32_t body) {
             const SearchedBody& searched = scene_.bodies[body];
             const Vec3 in_body = searched.frame->to_body(points_[point]);
-            const double most = most_of(found);
+            const double most = most_of(found, body);
             if (searched.shape->has_film || engine::contains(searched.shape->sign_box, in_body) ||
                 is_farther(searched.shape->sign_box, in_body, most))
-                return most;
+                return most_of(found);
             if (!scenes::is_usable(searched, in_body)) {
                 leave_out(searched, in_body, found);
-                return most;
+                return most_of(found);
             }
             if (body != last_.body) last_ = {body, CLSDF_NO_FACE};
             take({nearest_within(searched, in_body, most, last_.near), CLSDF_POINT_OUTSIDE},
@@ -393,7 +400,7 @@ private:
     const SearchedScene& scene_;
     std::size_t count_;
     std::array<Vec3, most_in_chunk> points_;
-    double half_width_;
+    const HalfWidths& half_widths_;
     std::vector<Holder> holders_;
     std::array<Found, most_in_chunk> found_;
     /// The last body of search_outside(), and its face that was the nearest.
@@ -444,14 +451,14 @@ double distance_of_unusable(bool is_finite, double half_width) {
 
 }  // namespace
 
-UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> points, double half_width,
+UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> points, const HalfWidths& half_widths,
                               const SceneArrays& results) {
     Unusable unusable;
     const auto order = order_of(points, scene.tree.box());
     for_each_chunk(points.size(), most_in_chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         const DefaultFloatingPoint as_kernels;
         const std::span<const std::uint32_t> chosen(order.data() + begin, end - begin);
-        Chunk chunk(scene, points, chosen, half_width);
+        Chunk chunk(scene, points, chosen, half_widths);
         chunk.search();
         Outputs outputs(results.arrays);
         for (std::size_t k = 0; k < chosen.size(); ++k) {
@@ -461,10 +468,10 @@ UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> 
             bool is_within = false, is_own = false;
             if (!chunk.is_usable(k)) {
                 unusable.add(i, is_finite(points[i]));
-                outputs.leave(distance_of_unusable(is_finite(points[i]), half_width), i);
+                outputs.leave(distance_of_unusable(is_finite(points[i]), half_widths.greatest), i);
             } else if (results.arrays[Output::distance].data != nullptr) {
                 const SearchedBody* body = found.body == no_body ? nullptr : &scene.bodies[found.body];
-                is_within = outputs.store(body, found, points[i], half_width, i);
+                is_within = outputs.store(body, found, points[i], half_widths, i);
                 is_own = results.is_own != nullptr && (!is_within || chunk.is_own(k, outputs.closest()));
             }
             if (results.is_own != nullptr) results.is_own[i] = is_own ? 1 : 0;
@@ -474,7 +481,7 @@ UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> 
 }
 
 UnusableOfScene answer_pairs(const SearchedScene& scene, std::span<const Vec3> points, std::span<const Asked> pairs,
-                             double half_width, const targets::HostArrays& arrays) {
+                             const HalfWidths& half_widths, const targets::HostArrays& arrays) {
     Unusable unusable;
     for_each_chunk(pairs.size(), most_in_chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         const DefaultFloatingPoint as_kernels;
@@ -487,12 +494,14 @@ UnusableOfScene answer_pairs(const SearchedScene& scene, std::span<const Vec3> p
                 usable.push_back({static_cast<std::uint32_t>(i - begin), pairs[i].body});
             } else {
                 unusable.add(i, is_finite(point));
-                outputs.leave(distance_of_unusable(is_finite(point), half_width), i);
+                outputs.leave(distance_of_unusable(is_finite(point), half_widths.of(pairs[i].body)), i);
             }
         }
         std::ranges::sort(usable, {}, [](const Asked& asked) { return std::pair(asked.body, asked.point); });
         for_each_body(usable, [&](std::uint32_t number, std::size_t first, std::size_t count) {
             const SearchedBody& body = scene.bodies[number];
+            const double half_width = half_widths.of(number);
+            const HalfWidths own{std::span(&half_width, 1), half_width};
             const auto place = [&](std::size_t i) { return begin + usable[first + i].point; };
             const auto point_of = [&](std::size_t i) { return points[pairs[place(i)].point]; };
             look_up(
@@ -500,7 +509,7 @@ UnusableOfScene answer_pairs(const SearchedScene& scene, std::span<const Vec3> p
                 [](std::size_t, const points::NearestOfPoint&) { return true; },
                 [&](std::size_t i, const OfBody& of_body) {
                     outputs.store(&body, {.body = number, .face = of_body.nearest.face, .sign = of_body.sign},
-                                  point_of(i), half_width, place(i));
+                                  point_of(i), own, place(i));
                 });
         });
     });

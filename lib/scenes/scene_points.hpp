@@ -44,6 +44,14 @@ struct SearchedScene {
     std::span<const std::uint32_t> with_films;  ///< the same, which have films; ascending
 };
 
+/// How far away a face of a body counts.
+struct HalfWidths {
+    std::span<const double> each;  ///< one for all bodies, or one a body; not negative
+    double greatest;
+
+    double of(std::uint32_t body) const { return each[each.size() == 1 ? 0 : body]; }
+};
+
 /// Packed results.
 struct SceneArrays {
     targets::HostArrays arrays;  ///< the distance may have none
@@ -64,13 +72,14 @@ struct Asked {
     std::uint32_t body;
 };
 
-/// The outputs of points. Results do not depend on other points or on threads.
-UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> points, double half_width,
+/// The outputs of points. Results do not depend on other points or on threads. A point beyond all half widths is beyond
+/// the greatest one.
+UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> points, const HalfWidths& half_widths,
                               const SceneArrays& results);
 
 /// The outputs of pairs: those of the body alone. All of the bodies are on. Of the points that are not usable, `first`
 /// is a pair.
 UnusableOfScene answer_pairs(const SearchedScene& scene, std::span<const Vec3> points, std::span<const Asked> pairs,
-                             double half_width, const targets::HostArrays& arrays);
+                             const HalfWidths& half_widths, const targets::HostArrays& arrays);
 
 }  // namespace clsdf::scenes

@@ -105,6 +105,55 @@ BOOST_AUTO_TEST_CASE(the_lowest_number_wins_in_whatever_order_bodies_are_searche
     for (const std::uint32_t body : query(scene, points).body) BOOST_TEST(body == 0U);
 }
 
+BOOST_AUTO_TEST_CASE(each_body_may_have_a_half_width) {
+    std::size_t wrong = 0, compared = 0, of_others = 0;
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+        RandomScene random(seed);
+        std::vector<double> half_widths;
+        for (std::size_t i = 0; i < random.bodies.size(); ++i)
+            half_widths.push_back(std::array{0.0, 0.1, 0.5, 2.0, 40.0}[random.random.index(5)]);
+        const double greatest = std::ranges::max(half_widths);
+        PointValues found(random.points.size());
+        const SceneTargets targets = found.targets();
+        random.scene.query(random.points, half_widths, {targets.outputs});
+        std::vector<PointOfBody> pairs;
+        for (std::uint32_t body = 0; body < random.bodies.size(); ++body) pairs.push_back({0, body});
+        std::vector<double> of_pairs(pairs.size());
+        random.scene.query_pairs(random.points, pairs, half_widths, {{Output::distance, of_pairs}});
+        for (std::size_t i = 0; i < random.points.size(); ++i) {
+            double least = no_limit, without_limits = no_limit;
+            bool is_at_limit = false;
+            for (std::size_t body = 0; body < half_widths.size(); ++body) {
+                const double value = random.of_bodies[body][i], width = half_widths[body];
+                is_at_limit = is_at_limit || std::abs(std::abs(value) - width) < random.tolerance;
+                if (i == 0 && !is_at_limit)
+                    wrong += std::abs(of_pairs[body] - std::clamp(value, -width, width)) > random.tolerance ? 1U : 0U;
+                if (value <= width) least = std::min(least, value < -width ? -no_limit : value);
+                without_limits = std::min(without_limits, value);
+            }
+            if (is_at_limit) continue;
+            ++compared;
+            of_others += std::isfinite(least) && least != without_limits ? 1U : 0U;
+            wrong += std::abs(found.distance[i] - std::clamp(least, -greatest, greatest)) > random.tolerance ? 1U : 0U;
+            wrong += (found.body[i] == no_body) != std::isinf(least) ? 1U : 0U;
+        }
+    }
+    BOOST_TEST(wrong == 0U, "seeds 1 to 60");
+    BOOST_TEST(compared > 1000U);
+    BOOST_TEST(of_others > 20U);
+    Scene scene(test_device());
+    scene.add(cube(1));
+    const std::vector<Vec3> point{{0, 0, 0}};
+    PointValues found(1);
+    check_throws(ErrorCode::invalid_argument, {"2 half widths", "1 bodies"}, [&] {
+        scene.query(point, std::array{1.0, 1.0}, {found.targets().outputs});
+    });
+    check_throws(ErrorCode::invalid_argument, {"is_own"},
+                 [&] { scene.query(point, std::array{1.0}, found.targets()); });
+    check_throws(ErrorCode::invalid_argument, {"-1"},
+                 [&] { scene.query(point, std::array{-1.0}, {found.targets().outputs}); });
+}
+
 BOOST_AUTO_TEST_CASE(a_body_that_has_not_moved_has_the_bytes_of_its_transform) {
     const Mesh mesh = make_shape("torus");
     Scene scene(test_device());
