@@ -72,7 +72,7 @@ struct Simulation {
 /// The volume of a solid whose samples have these distances: a smoothed sum, `width` on both sides of the surface.
 double volume_of(std::span<const float> distance, double cell, double width) {
     double sum = 0;
-    for (const float d : distance) sum += 0.5 * (1 - std::clamp(d / width, -1.0, 1.0));
+    for (const double d : distance) sum += 0.5 * (1 - std::clamp(d / width, -1.0, 1.0));
     return sum * cell;
 }
 

@@ -4631,6 +4631,7 @@ contains
     character(*), intent(inout), optional :: errmsg
     integer(c_int64_t) :: count
     integer(c_int32_t) :: status
+    count = 0
     status = c_transform_part_bytes(self%handle, c_null_ptr, 0_c_int64_t, count)
     allocate(bytes(count))
     if (status == 0) status = c_transform_part_bytes(self%handle, c_loc(bytes), count, count)
