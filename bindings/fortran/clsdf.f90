@@ -4629,12 +4629,11 @@ contains
     integer(c_int8_t), allocatable, target, intent(out) :: bytes(:)
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
-    integer(c_int64_t) :: count
+    integer(c_int64_t) :: room, count
     integer(c_int32_t) :: status
-    count = 0
-    status = c_transform_part_bytes(self%handle, c_null_ptr, 0_c_int64_t, count)
-    allocate(bytes(count))
-    if (status == 0) status = c_transform_part_bytes(self%handle, c_loc(bytes), count, count)
+    status = c_transform_part_bytes(self%handle, c_null_ptr, 0_c_int64_t, room)
+    allocate(bytes(room))
+    if (status == 0) status = c_transform_part_bytes(self%handle, c_loc(bytes), room, count)
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
