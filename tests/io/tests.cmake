@@ -30,8 +30,6 @@ target_compile_definitions(test_nvdb PRIVATE CLSDF_WITH_NANOVDB=$<BOOL:${CLSDF_N
                                              CLSDF_WITH_OPENVDB=$<BOOL:${CLSDF_WITH_OPENVDB}>)
 if(CLSDF_NANOVDB_INCLUDE)
   target_include_directories(test_nvdb SYSTEM PRIVATE ${CLSDF_NANOVDB_INCLUDE})
-  # Its headers (32.4) use a constant that they do not define, and that more optimisation removes.
-  set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/nvdb.cpp PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>)
 endif()
 set_tests_properties(nvdb PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: NanoVDB is not installed")
 
