@@ -159,7 +159,7 @@ Body restrict_to(const Body& body, const std::vector<std::tuple<Vec3, Vec3, doub
 nb::bytes part_bytes(const Body& body) {
     const std::vector<std::byte> bytes =
         body.read([](const DistanceTransform& transform) { return transform.part_bytes(); });
-    return {bytes.data(), bytes.size()};
+    return nb::bytes(bytes.data(), bytes.size());
 }
 
 Body of_part(const PyDevice& device, const nb::bytes& part, std::optional<std::size_t> kept_bytes) {
