@@ -124,6 +124,7 @@ def test_what_sdf_does_not_record_is_told(body, tmp_path):
 
 def test_vtk_shows_refined_levels_where_they_are(body, tmp_path):
     vtk = pytest.importorskip("vtk")
+    to_numpy = pytest.importorskip("vtk.util.numpy_support").vtk_to_numpy
     if not hasattr(vtk.vtkHDFReader, "SetMaximumLevelsToReadByDefaultForAMR"):
         pytest.skip("this VTK reads no refined levels")
     lower = np.array(body.bounds).reshape(2, 3)[0]
@@ -147,9 +148,9 @@ def test_vtk_shows_refined_levels_where_they_are(body, tmp_path):
         assert np.allclose(bounds[:, 0], first)
         assert np.allclose(bounds[:, 1], first + np.array(field.grid.spacing) * field.grid.size)
         for name in field.outputs:
-            found = vtk.util.numpy_support.vtk_to_numpy(image.GetCellData().GetArray(name))
+            found = to_numpy(image.GetCellData().GetArray(name))
             assert np.array_equal(found.ravel(), field.arrays[name].ravel())
-    hidden = vtk.util.numpy_support.vtk_to_numpy(levels.GetDataSetAsImageData(0, 0).GetCellData().GetArray("vtkGhostType"))
+    hidden = to_numpy(levels.GetDataSetAsImageData(0, 0).GetCellData().GetArray("vtkGhostType"))
     assert np.count_nonzero(hidden) == 2 * 3 * 1
     with pytest.raises(clsdf.Error, match="box 0 of a refined mesh: .* is no whole part"):
         third = clsdf.Grid(lower + side / 2, side * 0.7, (2, 2, 2))
