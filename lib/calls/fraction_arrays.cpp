@@ -31,7 +31,7 @@ using segments::ResultArray;
 
 constexpr std::initializer_list<ElementType> reals{ElementType::float64, ElementType::float32};
 
-/// What decides where arrays may be: on the host alone, or in buffers, too, which are mapped.
+/// Arrays may be in buffers, too, which are mapped; without it, on the host alone.
 using Memory = std::optional<targets::MappedMemory>;
 
 ResultArray result_array(const OutputArray& given, const char* name, const Index3& size, std::size_t components,

@@ -25,7 +25,7 @@ struct Body {
     TransformOptions options{};
 };
 
-/// Of all sign rules, and with another surface than the mesh for the sign.
+/// Meshes for all sign rules, some with another surface than the mesh for the sign.
 std::vector<Body> bodies() {
     Random random(23);
     std::vector<Body> bodies;

@@ -1594,7 +1594,7 @@ CLSDF_API clsdf_status clsdf_point_plan_statistics(const clsdf_point_plan* plan,
  * message of a call of CUDA that fails has its name and its code: CLSDF_DEVICE_FAILURE or CLSDF_OUT_OF_MEMORY. A
  * process that was forked must neither use nor release these handles. */
 
-/* What a call does with an array. */
+/* The use of an array in a call. */
 #define CLSDF_CUDA_READ 0
 #define CLSDF_CUDA_WRITE 1  /* every byte gets a new value */
 #define CLSDF_CUDA_UPDATE 2 /* some bytes keep their value, as those between the values of an array with strides */

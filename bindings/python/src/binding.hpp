@@ -38,7 +38,7 @@ void add_shared_arrays(nb::module_& module);
 void add_files(nb::module_& module);
 void add_sparse_fields(nb::module_& module);
 
-/// What an array calls the owner of its memory: it deletes it with the last array.
+/// The owner of an array's memory, which deletes it with the last array.
 template <typename Memory>
 nb::capsule owner_of(std::unique_ptr<Memory> memory) {
     return {memory.release(), [](void* own) noexcept { delete static_cast<Memory*>(own); }};

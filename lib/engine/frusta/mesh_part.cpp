@@ -52,7 +52,7 @@ void keep_non_manifold(std::span<const std::uint32_t> edges, MeshTopology& part)
     ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
 }
 
-/// Of these faces of a mesh, numbered by their places in the list.
+/// The non-manifold edges of these faces of a mesh, which are numbered by their places in the list.
 std::vector<std::uint32_t> non_manifold_edges(const PairedEdges& edges, std::span<const std::uint32_t> faces) {
     std::vector<std::uint32_t> found;
     if (edges.non_manifold_ends.empty()) return found;

@@ -69,9 +69,9 @@ public:
 
     /// A mesh of only what samples and points of regions can need; see DistanceTransform::restrict_to().
     KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, RegionPart part, Options options);
-    /// What such a mesh of this one is made of.
+    /// The part of which such a mesh of this one is made.
     RegionPart part_of_regions(std::vector<Region> regions, SignRule sign);
-    /// What this mesh was made of, if it is one.
+    /// The part of which this mesh was made, if it is one.
     RegionPart own_part();
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_.get().get(); }

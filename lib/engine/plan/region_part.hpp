@@ -25,7 +25,7 @@ struct RegionPart {
     std::shared_ptr<const OpenBoundary> boundary{};  ///< of the whole mesh; null if none counts for the sign
 };
 
-/// What a transform of a part knows of the whole mesh.
+/// The facts of the whole mesh that a transform of a part has.
 struct SignOfWhole {
     SignRule sign = SignRule::none;
     std::optional<double> floor{};

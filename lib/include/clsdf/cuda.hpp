@@ -28,7 +28,7 @@ class Link;
 class Block;
 struct ArraysState;
 
-/// What a call does with an array. The values of the enumerators never change.
+/// The use of an array in a call. The values of the enumerators never change.
 enum class Access : std::int32_t {
     read = 0,
     write = 1,   ///< every byte gets a new value

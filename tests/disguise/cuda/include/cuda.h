@@ -43,7 +43,7 @@ CUresult cuStreamDestroy(CUstream stream);
 CUresult cuStreamSynchronize(CUstream stream);
 CUresult cuLaunchHostFunc(CUstream stream, CUhostFn function, void* user);
 
-/* Of the stand-in alone: owners of a device's primary context, and how often a function was called. */
+/* The stand-in alone has these: owners of a device's primary context, and how often a function was called. */
 int cuda_stand_in_owners(int device);
 int cuda_stand_in_calls(const char* function);
 
