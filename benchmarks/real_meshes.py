@@ -1,6 +1,7 @@
 """Judges "clsdf info" and "clsdf query" on the mesh files of packages: scripts/real-meshes.
 
-Files of equal content count once. Half of a file's points lie in its box and up to 10% around it, the others within
+Files of equal content count once. The sign rule of each follows from what "info" counts. A share of the files, chosen by
+their content and the seed, is judged by points, and the rule with them. Half of a file's points lie in its box and up to 10% around it, the others within
 1e-5 to 3% of its longest side from random places of its surface. A file of more than 100,000 triangles gets fewer
 points, so that it has 15 million pairs, but 10 at least.
 
@@ -28,6 +29,7 @@ import json
 import os
 import pathlib
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -470,13 +472,44 @@ def truth_of(path, sha, defects, options):
     return truth
 
 
+def seconds_of_children():
+    """Of processor time."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def rule_of(defects):
+    """The sign rule that "query" chooses for a mesh with these counts."""
+    if defects["balanced"]:
+        return "nonzero"
+    if defects["closed"]:
+        return "parity"
+    return "solid-angle" if defects["tested_points"] > 0 and defects["unclear_parts"] == 0 else "none"
+
+
+def step_of(defects):
+    """What was done last to get the surface that decides the sign."""
+    steps = {"sheets": "sheet_faces", "turned": "reoriented_faces", "doubled": "uncounted_faces", "joined": "joined_vertices"}
+    return next((step for step, count in steps.items() if defects[count] > 0), "as given")
+
+
+def is_chosen(sha, options):
+    """Whether a file is judged by points."""
+    number = int(hashlib.sha256(f"{options.seed} {sha}".encode()).hexdigest()[:8], 16)
+    return number < options.share / 100 * 2**32
+
+
 def judge(path, sha, options):
+    start = seconds_of_children()
     result = {"bytes": path.stat().st_size}
     info = run(options.command, "info", path)
     if "error" in info:
         return result | {"unreadable": reason_of(info["error"]["message"], path),
                          "failed": info["error"]["exit_status"] not in (2, 3)}
-    result |= {"triangles": info["triangles"], "defects": info["defects"]}
+    result |= {"triangles": info["triangles"], "defects": info["defects"], "sign": rule_of(info["defects"]),
+               "step": step_of(info["defects"]), "seconds": seconds_of_children() - start}
+    if not is_chosen(sha, options):
+        return result
     try:
         truth = truth_of(path, sha, info["defects"], options)
         if truth["triangles"] != info["triangles"]:
@@ -491,6 +524,9 @@ def judge(path, sha, options):
         if "error" in query:
             return result | {"failed": True, "not_judged": reason_of(query["error"]["message"], path)}
         found = numpy.load(f"{folder}/result.npy")["distance"]
+    if query["sign"] != result["sign"]:
+        result["not_judged"] = f"query has the sign rule {query['sign']}, and info counts what means {result['sign']}"
+        truth = None
     result |= {"sign": query["sign"], "device": query["device"]["name"], "warnings": query["warnings"]}
     if truth is None:
         return result
@@ -520,7 +556,6 @@ def judge(path, sha, options):
         "rule_here": rule if here == "open" and rule in ("solid-angle", "none") else here,
         "done": reported,
         "done_here": truth["done"].tolist(),
-        "step": str(truth["step"]),
         "wrong_values": int((~(error <= limit)).sum()),
         "error_voxels": float(error.max() / voxel),
         "doubt": int(doubt.sum()),
@@ -560,7 +595,7 @@ def kind_without_sign(result):
 def table(head, rows):
     """In Markdown; columns of numbers are on the right."""
     columns = list(zip(*rows))[1:]
-    numbers = [all(re.fullmatch(r"[0-9,]+(\.[0-9]e[-+][0-9]+)?", str(cell)) for cell in column) for column in columns]
+    numbers = [all(re.fullmatch(r"[0-9,]+(\.[0-9]+(e[-+][0-9]+)?)?", str(cell)) for cell in column) for column in columns]
     lines = ["| " + " | ".join(map(str, line)) + " |" for line in (head, *rows)]
     return "\n".join([lines[0], "|-|" + "".join("-:|" if is_number else "-|" for is_number in numbers), *lines[1:]])
 
@@ -583,16 +618,16 @@ def record_of(results, left, files, options):
             continue
         mine_read = [result for result in mine if "unreadable" not in result]
         mine_tested = [result for result in mine if "points" in result]
-        steps = collections.Counter(result["step"] for result in mine_tested
-                                    if result["sign"] == result["rule_here"] != "none")
+        steps = collections.Counter(result["step"] for result in mine_read if result["sign"] != "none")
         signs = collections.Counter(result.get("sign") for result in mine_read)
         rows.append([package or "all", options.packages.get(package, ""),
                      sum(files.values()) if package is None else files[package], len(mine_read),
                      len(mine) - len(mine_read), signs["nonzero"], signs["parity"], signs["solid-angle"], signs["none"],
-                     *(steps[step] for step in ("joined", "doubled", "turned", "sheets")),
+                     *(steps[step] for step in ("joined", "doubled", "turned", "sheets")), len(mine_tested),
                      sum(result["wrong_signs"] for result in mine_tested),
                      sum(result["wrong_values"] for result in mine_tested),
-                     f"{max((result['error_voxels'] for result in mine_tested), default=0):.1e}"])
+                     f"{max((result['error_voxels'] for result in mine_tested), default=0):.1e}",
+                     f"{sum(result['seconds'] for result in mine_read) / max(1, len(mine_read)):.2f}"])
     unreadable = collections.Counter(result["unreadable"] for result in results if "unreadable" in result)
     unsigned = collections.defaultdict(list)
     for result in read:
@@ -611,7 +646,7 @@ def record_of(results, left, files, options):
         "",
         f"{len(read):,} different files that can be read, out of packages of PyPI and Debian (robots, printers, CFD cases,\n"
         f"CAD, test models). **{len(signed):,} of {len(read):,} ({len(signed) / max(1, len(read)):.0%}) have a sign; "
-        f"{wrong_signs:,} signs and {wrong_values:,} distances are wrong.**\n"
+        f"of {len(tested):,} files\nthat were judged by points, a random {options.share:g}%, {wrong_signs:,} signs and {wrong_values:,} distances are wrong.**\n"
         "`scripts/real-meshes` fetches them and writes this page; its `--help` and `benchmarks/real_meshes.py` say how\n"
         "files are judged. [SIGN-CHANGES.md](SIGN-CHANGES.md) has the files whose sign changed with the rules of\n"
         "November 2026.",
@@ -638,10 +673,11 @@ def record_of(results, left, files, options):
         "",
         "Files of equal content count once, for the first package that has them. `joined`, `doubled`, `turned` and `sheets`\n"
         "are files with a sign for which [these rules](../docs/sign.md) changed the surface that decides: noise around zero,\n"
-        "doubled faces, faces that look the wrong way, sheets beside bodies. The last rule counts.",
+        "doubled faces, faces that look the wrong way, sheets beside bodies. The last rule counts. `judged` files\n"
+        "were judged by points; seconds are of processor time, of `info` of a file on average.",
         "",
         table(["package", "version", "files", "read", "unreadable", "nonzero", "parity", "solid angle", "no sign", "joined", "doubled",
-               "turned", "sheets", "wrong signs", "wrong distances", "largest error, voxel"], rows),
+               "turned", "sheets", "judged", "wrong signs", "wrong distances", "largest error, voxel", "seconds"], rows),
         "",
         "## Files that cannot be read",
         "",
@@ -690,6 +726,7 @@ def main():
     parser.add_argument("--folder", required=True, type=pathlib.Path)
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--points", type=int, default=150)
+    parser.add_argument("--share", type=float, default=10, help="percent of the files that are judged by points")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--minutes", type=float, default=float("inf"),
                         help="begins no file after that; the record says how many are left for the next run")
@@ -701,7 +738,7 @@ def main():
     options.version = subprocess.run([options.command, "--version"], stdout=subprocess.PIPE, text=True,
                                      check=True).stdout.splitlines()[0]
     build = hashlib.sha256(pathlib.Path(options.command).read_bytes()).hexdigest()[:12]
-    options.kept = options.folder / "judged" / f"{build}-{FORMAT}-{options.seed}-{options.points}"
+    options.kept = options.folder / "judged" / f"{build}-{FORMAT}-{options.seed}-{options.points}-{options.share:g}"
     options.kept.mkdir(parents=True, exist_ok=True)
     options.packages = {folder.name: (folder / "version").read_text().strip()
                         for folder in sorted((options.folder / "files").iterdir())}

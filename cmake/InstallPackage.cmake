@@ -1,5 +1,5 @@
 # The installed package, for find_package(clsdf) and for pkg-config. Each library is a component of its own (core, meshes,
-# io, papers, picture, reference, c, c_io, fortran, fortran_io), and so is the command; headers, package files and what else a compiler needs are in
+# io, cuda, papers, picture, reference, c, c_io, fortran, fortran_io), and so is the command; headers, package files and what else a compiler needs are in
 # development.
 include(CMakePackageConfigHelpers)
 
@@ -97,7 +97,7 @@ function(clsdf_install_fortran_source target description)
 endfunction()
 
 set(CLSDF_CONFIG_DEPENDENCIES "")
-set(CLSDF_CONFIG_C meshes)
+set(CLSDF_CONFIG_C meshes cuda)
 set(CLSDF_CONFIG_C_IO io)
 if(is_static)
   set(CLSDF_CONFIG_C "")
@@ -120,6 +120,10 @@ if(CLSDF_BUILD_IO)
     string(APPEND libraries " -lopenvdb -lImath")
   endif()
   clsdf_install_library(clsdf_io io "Files of fields, for clsdf" "tbb fmt expat zlib" "${libraries}" clsdf-meshes)
+endif()
+if(CLSDF_BUILD_CUDA)
+  list(APPEND CLSDF_COMPONENTS cuda)
+  clsdf_install_library(clsdf_cuda cuda "Memory of CUDA as inputs and outputs of clsdf" "OpenCL fmt" "")
 endif()
 if(CLSDF_BUILD_PAPERS)
   list(APPEND CLSDF_COMPONENTS papers)
@@ -206,7 +210,7 @@ install(
   COMPONENT development)
 
 # The licence goes with every component.
-foreach(component core meshes io papers picture reference c c_io fortran fortran_io command development)
+foreach(component core meshes io cuda papers picture reference c c_io fortran fortran_io command development)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})
 endforeach()
 # The documents, and all that they link to; another project that contains this one has documents of its own.

@@ -98,4 +98,5 @@ Json run_bench_calls(const BenchOptions& options);
 Json run_bench_points(const BenchOptions& options);
 Json run_bench_rays(const BenchOptions& options);
 Json run_bench_links(const BenchOptions& options);
+Json run_bench_fractions(const BenchOptions& options);
 Json run_bench_memory(const BenchOptions& options);

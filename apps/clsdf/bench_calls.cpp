@@ -1,6 +1,7 @@
 #include "bench.hpp"
 
 #include "benchmarks/calls.hpp"
+#include "benchmarks/fractions.hpp"
 #include "benchmarks/links.hpp"
 #include "benchmarks/memory.hpp"
 #include "benchmarks/points.hpp"
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 using clsdf::bench::CallCost;
+using clsdf::bench::FractionCost;
 using clsdf::bench::PointCost;
 using clsdf::bench::RayCost;
 using clsdf::bench::RestrictedMemory;
@@ -183,6 +185,38 @@ Json run_bench_links(const BenchOptions& options) {
     for (const RayCost& cost : clsdf::bench::measure_links_of_ties(device, options.measure, options.scaled(256)))
         rows.add(cost, "-");
     return rows.finish();
+}
+
+Json run_bench_fractions(const BenchOptions& options) {
+    const std::vector<NamedMesh> meshes =
+        options.load_meshes({options.quick ? std::string("sphere4") : std::string("bunny00")});
+    Json result = describe_run("fractions", options, options.open_device());
+    result["rows"] = Json::array();
+    BenchTable table({"cells", "mesh", "cut", "ms (median)", "processor, ms", "limit, ms", "error of the volume",
+                      "error of the area"});
+    for (const NamedMesh& mesh : meshes)
+        for (FractionCost& cost :
+             measure_fractions(mesh.mesh, options.measure, {options.scaled(128), options.scaled(256)})) {
+            // The bars of the bunny on two cores.
+            if (mesh.name == "bunny00" && cost.name == "128") cost.limit = 0.15;
+            if (mesh.name == "bunny00" && cost.name == "256") cost.limit = 0.6;
+            const auto error = [&](double value) { return cost.cells > 0 ? fmt::format("{:.1e}", value) : "-"; };
+            table.add({cost.name, mesh.name, fmt::format("{}", cost.cells), milliseconds(cost.seconds.median),
+                       milliseconds(cost.processor_seconds.median), cost.limit ? milliseconds(*cost.limit) : "-",
+                       error(cost.volume_error), error(cost.area_error)});
+            Json row{{"name", cost.name},
+                     {"what", cost.what},
+                     {"mesh", mesh.name},
+                     {"cut_cells", cost.cells},
+                     {"seconds", describe(cost.seconds)},
+                     {"processor_seconds", describe(cost.processor_seconds)},
+                     {"volume_error", cost.volume_error},
+                     {"area_error", cost.area_error}};
+            if (cost.limit) row["limit_seconds"] = *cost.limit;
+            result["rows"].push_back(std::move(row));
+        }
+    options.say('\n' + table.text());
+    return result;
 }
 
 Json run_bench_memory(const BenchOptions& options) {

@@ -116,7 +116,8 @@ Command add_fractions(Parser& program) {
     add_weld_option(parser, own.reading);
     add_skip_option(parser, own.reading);
     parser.set_footer(
-        "A cell lies between neighbouring samples of the grid. The file has, for each cell that the surface meets, the\n"
+        "A cell lies between neighbouring samples of the grid. The file has, for each cell that the surface meets, "
+        "the\n"
         "volume, the centroid, the area and normal of the surface, and the fractions of the six faces, by the\n"
         "triangles as given: docs/fractions.md. Parts that overlap count once, as in \"clsdf outer\".\n\n"
         "Examples:\n"

@@ -578,6 +578,8 @@ module clsdf
     procedure, private :: transform_create, transform_from_arrays, transform_create_r4, transform_create_r8
     generic :: create => transform_create, transform_from_arrays, transform_create_r4, transform_create_r8
     procedure :: restrict => transform_restrict
+    procedure :: part_bytes => transform_part_bytes
+    procedure :: create_from_part => transform_create_from_part
     procedure, private :: set_positions_array, set_positions_r4, set_positions_r8
     generic :: set_positions => set_positions_array, set_positions_r4, set_positions_r8
     procedure :: set_motion => transform_set_motion
@@ -1669,6 +1671,24 @@ module clsdf
       type(clsdf_region), intent(in) :: regions(*)
       integer(c_int64_t), value :: count
       type(c_ptr), intent(out) :: restricted
+    end function
+    function c_transform_part_bytes(transform, bytes, room, count) &
+        bind(C, name="clsdf_transform_part_bytes") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, bytes
+      integer(c_int64_t), value :: room
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_transform_from_part(device, bytes, count, index_base, transform) &
+        bind(C, name="clsdf_transform_from_part") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      integer(c_int8_t), intent(in) :: bytes(*)
+      integer(c_int64_t), value :: count
+      integer(c_int32_t), value :: index_base
+      type(c_ptr), intent(out) :: transform
     end function
     function c_transform_set_positions(transform, positions, call) &
         bind(C, name="clsdf_transform_set_positions") result(value)
@@ -4601,6 +4621,33 @@ contains
     call restricted%release()
     restricted%handle = handle
     call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> A restricted transform as bytes, for another process or for later; see create_from_part.
+  subroutine transform_part_bytes(self, bytes, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    integer(c_int8_t), allocatable, target, intent(out) :: bytes(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: room, count
+    integer(c_int32_t) :: status
+    status = c_transform_part_bytes(self%handle, c_null_ptr, 0_c_int64_t, room)
+    allocate(bytes(room))
+    if (status == 0) status = c_transform_part_bytes(self%handle, c_loc(bytes), room, count)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The restricted transform of bytes that part_bytes gave, without the mesh, on any device. They are of the same version
+  !> of clsdf and of this kind of machine; damaged or foreign bytes are an error.
+  subroutine transform_create_from_part(self, device, bytes, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    type(clsdf_device), intent(in) :: device
+    integer(c_int8_t), intent(in) :: bytes(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%release()
+    call clsdf_finish(c_transform_from_part(device%handle, bytes, size(bytes, kind=c_int64_t), 1_c_int32_t, self%handle), &
+        stat, errmsg)
   end subroutine
 
   !> New positions of all vertices, on the host or in a buffer. After an error the positions are those of before.

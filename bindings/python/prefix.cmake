@@ -11,7 +11,7 @@ add_subdirectory(../.. clsdf)
 
 # A wheel has no symbolic links. Each library is one file, under the name that programs load; for linkers a text under the
 # short name leads to it.
-foreach(library clsdf clsdf_meshes clsdf_io clsdf_papers clsdf_c clsdf_c_io)
+foreach(library clsdf clsdf_meshes clsdf_cuda clsdf_io clsdf_papers clsdf_c clsdf_c_io)
   get_target_property(version ${library} SOVERSION)
   set_target_properties(${library} PROPERTIES VERSION ${version})
   install(CODE "set(name \"\${CMAKE_INSTALL_PREFIX}/clsdf/lib/$<TARGET_LINKER_FILE_NAME:${library}>\")

@@ -69,6 +69,14 @@ const Topology& DistanceTransform::topology() const {
 SignRule DistanceTransform::sign() const {
     return held_by(state_, "DistanceTransform").sign;
 }
+std::optional<double> DistanceTransform::floor() const {
+    return held_by(state_, "DistanceTransform").floor;
+}
+std::string DistanceTransform::mesh_name() const {
+    State& state = held_by(state_, "DistanceTransform");
+    const std::scoped_lock lock(state.mutex);
+    return state.kept_mesh->name();
+}
 Device DistanceTransform::device() const {
     return held_by(state_, "DistanceTransform").device;
 }
@@ -80,6 +88,17 @@ Box DistanceTransform::box() const {
 DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions) const {
     return with_host_memory("to restrict the transform", [&] {
         return DistanceTransform(state().restricted({regions.begin(), regions.end()}));
+    });
+}
+std::vector<std::byte> DistanceTransform::part_bytes() const {
+    return with_host_memory("for the bytes of the part", [&] { return state().part_bytes(); });
+}
+DistanceTransform DistanceTransform::from_part(Device device, std::span<const std::byte> bytes,
+                                               std::optional<std::size_t> kept_bytes) {
+    return with_host_memory("for the part", [&] {
+        TransformOptions options;
+        options.kept_bytes = kept_bytes;
+        return DistanceTransform(State::of_part(std::move(device), bytes, options));
     });
 }
 void DistanceTransform::set_positions(const InputArray& positions, const CallOptions& call) {

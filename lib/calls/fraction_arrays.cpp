@@ -1,17 +1,26 @@
 // Fractions of cells in the caller's arrays.
+#include <clsdf/device.hpp>
 #include <clsdf/error.hpp>
 #include <clsdf/fractions.hpp>
 
 #include "core/parallel.hpp"
 #include "core/vectors.hpp"
+#include "device/context.hpp"
+#include "device/opencl.hpp"
 #include "segments/result_arrays.hpp"
+#include "targets/mapped_memory.hpp"
 #include "targets/target_overlap.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace clsdf {
@@ -22,10 +31,24 @@ using segments::ResultArray;
 
 constexpr std::initializer_list<ElementType> reals{ElementType::float64, ElementType::float32};
 
+/// Arrays may be in buffers, too, which are mapped; without it, on the host alone.
+using Memory = std::optional<targets::MappedMemory>;
+
+ResultArray result_array(const OutputArray& given, const char* name, const Index3& size, std::size_t components,
+                         std::initializer_list<ElementType> types, Memory& memory, bool are_fields) {
+    if (!memory) return ResultArray::on_host(given, name, size, components, types, are_fields);
+    return {given, name, size, components, types, *memory, are_fields};
+}
+
 /// The caller's arrays of one grid.
 class CellArrays {
 public:
-    explicit CellArrays(const FractionRequest& request) : grid_(request.grid) {
+    CellArrays(const FractionRequest& request, Memory& memory) : grid_(request.grid) {
+        const auto array = [&](const OutputArray& given, const char* name, const Index3& size, std::size_t components,
+                               std::initializer_list<ElementType> types) {
+            return result_array(with_strides(given, size, components, types), name, size, components, types, memory,
+                                true);
+        };
         const FractionTargets& to = request.targets;
         const Index3 cells{grid_.size[0] - 1, grid_.size[1] - 1, grid_.size[2] - 1};
         types_ = array(to.types, "the array of types", cells, 1, {ElementType::uint8});
@@ -45,12 +68,12 @@ public:
         }
     }
 
-    void add_to(std::vector<targets::WrittenArray>& written) const {
-        for (const ResultArray* const one :
-             {&types_, &pieces_, &volume_, &centroid_, &area_, &vector_area_, &normal_, &surface_centroid_,
-              &face_fractions_[0], &face_fractions_[1], &face_fractions_[2], &face_centroids_[0], &face_centroids_[1],
-              &face_centroids_[2]})
+    void add_to(std::vector<targets::WrittenArray>& written) {
+        for (const ResultArray* const one : all())
             if (one->is_given()) written.push_back(one->written());
+    }
+    void set_mapped(const targets::MappedMemory& memory) {
+        for (ResultArray* const one : all()) one->set_mapped(memory);
     }
 
     void write(const Fractions& found) const {
@@ -75,8 +98,8 @@ private:
                                                                     "the array of centroids of the faces across z"};
 
     /// Packed arrays have their components side by side; with a component_stride alone the items are.
-    static ResultArray array(OutputArray given, const char* name, const Index3& size, std::size_t components,
-                             std::initializer_list<ElementType> types) {
+    static OutputArray with_strides(OutputArray given, const Index3& size, std::size_t components,
+                                    std::initializer_list<ElementType> types) {
         const ElementType type = given.type == ElementType::automatic ? *types.begin() : given.type;
         const auto width = static_cast<std::ptrdiff_t>(bytes_of(type));
         const bool has_strides = given.strides != std::array<std::ptrdiff_t, 3>{};
@@ -87,7 +110,7 @@ private:
             given.strides = {item, item * size[0], item * size[0] * size[1]};
         }
         if ((has_strides || components > 1) && given.component_stride == 0) given.component_stride = width;
-        return ResultArray::on_host(given, name, size, components, types, true);
+        return given;
     }
 
     static void set(const ResultArray& to, const Index3& item, std::size_t component, double value) {
@@ -163,26 +186,176 @@ private:
         }
     }
 
+    std::array<ResultArray*, 14> all() {
+        return {&types_,
+                &pieces_,
+                &volume_,
+                &centroid_,
+                &area_,
+                &vector_area_,
+                &normal_,
+                &surface_centroid_,
+                &face_fractions_[0],
+                &face_fractions_[1],
+                &face_fractions_[2],
+                &face_centroids_[0],
+                &face_centroids_[1],
+                &face_centroids_[2]};
+    }
+
     Grid grid_;
     ResultArray types_, pieces_, volume_, centroid_, area_, vector_area_, normal_, surface_centroid_;
     std::array<ResultArray, 3> face_fractions_, face_centroids_;
 };
 
-}  // namespace
+/// The caller's arrays for the rows of a grid.
+class RowArrays {
+public:
+    RowArrays(const FractionRows& to, const Grid& grid, Memory& memory) : room_(to.room) {
+        const auto array = [&](const OutputArray& given, const char* name, std::size_t items, std::size_t components,
+                               std::initializer_list<ElementType> types) {
+            return result_array(given, name, {static_cast<std::int64_t>(items), 1, 1}, components, types, memory,
+                                false);
+        };
+        const auto rows = [&](const OutputArray& given, const char* name, std::size_t components,
+                              std::initializer_list<ElementType> types = reals) {
+            return array(given, name, room_, components, types);
+        };
+        cells_ = rows(to.cells, "the array of cells", 3, {ElementType::int32});
+        pieces_ = rows(to.pieces, "the array of pieces", 1, {ElementType::uint32, ElementType::int32});
+        volume_ = rows(to.volume, "the array of volumes", 1);
+        centroid_ = rows(to.centroid, "the array of centroids", 3);
+        area_ = rows(to.area, "the array of areas", 1);
+        vector_area_ = rows(to.vector_area, "the array of vector areas", 3);
+        surface_centroid_ = rows(to.surface_centroid, "the array of the surface's centroids", 3);
+        face_fractions_ = rows(to.face_fractions, "the array of fractions of faces", 6);
+        face_centroids_ = rows(to.face_centroids, "the array of centroids of faces", 12);
+        const auto [nx, ny, nz] = Fractions{grid, {}, {}}.counts();
+        full_ =
+            array(to.full, "the array of full cells", to.full.is_given() ? nx * ny * nz : 0, 1, {ElementType::uint8});
+        std::vector<targets::WrittenArray> written;
+        for (const ResultArray* const one : all())
+            if (one->is_given() && (one == &full_ || room_ > 0)) written.push_back(one->written());
+        targets::refuse_overlap(written);
+    }
 
-void fractions(const OuterSurface& surface, std::span<const FractionRequest> requests, const FractionOptions& options,
-               const CallOptions& call) {
+    /// Throws Error(invalid_argument) if the rows have less room.
+    void require_room(std::size_t rows) {
+        bool has_rows = false;
+        for (const ResultArray* const one : all()) has_rows = has_rows || (one != &full_ && one->is_given());
+        if (rows > room_ && (has_rows || !full_.is_given()))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the surface meets {} cells, and the arrays have room for {}; give them room for "
+                                    "as many",
+                                    rows, room_));
+    }
+    void set_mapped(const targets::MappedMemory& memory) {
+        for (ResultArray* const one : all()) one->set_mapped(memory);
+    }
+
+    void write(const Fractions& found) const {
+        for_each_index(found.cells.size(), [&](std::size_t row) { write(row, found.cells[row]); });
+        const auto [nx, ny, nz] = found.counts();
+        if (full_.is_given())
+            for_each_index(nx * ny * nz, [&](std::size_t cell) {
+                full_.set(cell, 0, static_cast<std::uint8_t>(found.full[cell / 8] >> cell % 8 & 1U));
+            });
+    }
+
+private:
+    std::array<ResultArray*, 10> all() {
+        return {&cells_,       &pieces_,           &volume_,         &centroid_,       &area_,
+                &vector_area_, &surface_centroid_, &face_fractions_, &face_centroids_, &full_};
+    }
+
+    static void set(const ResultArray& to, std::size_t row, std::span<const double> values) {
+        for (std::size_t n = 0; to.is_given() && n < values.size(); ++n) to.set_real(row, n, values[n]);
+    }
+    void write(std::size_t row, const CellFraction& cell) const {
+        for (std::size_t d = 0; cells_.is_given() && d < 3; ++d) cells_.set(row, d, cell.cell[d]);
+        if (pieces_.is_given()) pieces_.set(row, 0, cell.pieces);
+        set(volume_, row, {&cell.volume, 1});
+        set(centroid_, row, cell.centroid);
+        set(area_, row, {&cell.area, 1});
+        set(vector_area_, row, cell.vector_area);
+        set(surface_centroid_, row, cell.surface_centroid);
+        set(face_fractions_, row, cell.face_fractions);
+        set(face_centroids_, row, {cell.face_centroids[0].data(), 12});
+    }
+
+    std::size_t room_;
+    ResultArray cells_, pieces_, volume_, centroid_, area_, vector_area_, surface_centroid_, face_fractions_,
+        face_centroids_, full_;
+};
+
+/// Calls write() while what the arrays have in buffers is mapped.
+template <typename Arrays, typename Write>
+void with_mapped(Memory& memory, std::span<Arrays> arrays, const CallOptions& call, const Write& write) {
+    if (memory) {
+        memory->map(call.wait_list);
+        for (Arrays& one : arrays) one.set_mapped(*memory);
+    }
+    write();
+    if (memory) memory->unmap();
+}
+
+void write_requests(Memory& memory, const OuterSurface& surface, std::span<const FractionRequest> requests,
+                    const FractionOptions& options, const CallOptions& call) {
     std::vector<Grid> grids;
     std::vector<CellArrays> arrays;
     std::vector<targets::WrittenArray> written;
     for (const FractionRequest& request : requests) {
         request.grid.validate();
         grids.push_back(request.grid);
-        arrays.emplace_back(request).add_to(written);
+        arrays.emplace_back(request, memory).add_to(written);
     }
     targets::refuse_overlap(written);
-    fractions(
-        surface, grids, [&](std::size_t n, Fractions& found) { arrays[n].write(found); }, options, call);
+    with_mapped(memory, std::span(arrays), call, [&] {
+        fractions(
+            surface, grids, [&](std::size_t n, Fractions& found) { arrays[n].write(found); }, options, call);
+    });
+}
+
+void write_rows(Memory& memory, const OuterSurface& surface, const Grid& grid, const FractionRows& rows,
+                std::size_t& count, const FractionOptions& options, const CallOptions& call) {
+    count = 0;
+    grid.validate();
+    RowArrays arrays(rows, grid, memory);
+    const Fractions found = fractions(surface, grid, options, call);
+    count = found.cells.size();
+    arrays.require_room(count);
+    try {
+        with_mapped(memory, std::span(&arrays, 1), call, [&] { arrays.write(found); });
+    } catch (...) {
+        count = 0;
+        throw;
+    }
+}
+
+}  // namespace
+
+void fractions(const OuterSurface& surface, std::span<const FractionRequest> requests, const FractionOptions& options,
+               const CallOptions& call) {
+    Memory none;
+    write_requests(none, surface, requests, options, call);
+}
+
+void fractions(const OuterSurface& surface, const Grid& grid, const FractionRows& rows, std::size_t& count,
+               const FractionOptions& options, const CallOptions& call) {
+    Memory none;
+    write_rows(none, surface, grid, rows, count, options, call);
+}
+
+void fractions(const Device& device, const OuterSurface& surface, std::span<const FractionRequest> requests,
+               const FractionOptions& options, const CallOptions& call) {
+    Memory memory(std::in_place, device::context_of(device));
+    device::guarded([&] { write_requests(memory, surface, requests, options, call); });
+}
+
+void fractions(const Device& device, const OuterSurface& surface, const Grid& grid, const FractionRows& rows,
+               std::size_t& count, const FractionOptions& options, const CallOptions& call) {
+    Memory memory(std::in_place, device::context_of(device));
+    device::guarded([&] { write_rows(memory, surface, grid, rows, count, options, call); });
 }
 
 }  // namespace clsdf

@@ -234,8 +234,10 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
                     "a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
     context().begin_call();
     auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    auto own_mesh =
-        calls::with_remedies(nullptr, {forgetting()}, [&] { return kept_mesh->restricted(own_pool, regions, sign); });
+    auto own_mesh = calls::with_remedies(nullptr, {forgetting()}, [&] {
+        return std::make_unique<engine::KeptMesh>(context(), own_pool, kept_mesh->part_of_regions(regions, sign),
+                                                  kept_mesh->options());
+    });
     return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_mesh)));
 }
 
@@ -260,6 +262,32 @@ void DistanceTransform::State::move_joined(std::vector<Vec3> positions) {
     const bool are_inside_out = kept_mesh->encloses_negative_volume();
     move_vertices(std::move(positions));
     kept_mesh->set_encloses_negative_volume(are_inside_out);
+}
+
+std::vector<std::byte> DistanceTransform::State::part_bytes() {
+    const std::scoped_lock lock(mutex);
+    if (kept_mesh->restriction() == nullptr)
+        throw Error(ErrorCode::unsupported, "the transform is whole, and parts alone have bytes; restrict it first");
+    const engine::RegionPart part = kept_mesh->own_part();
+    if (part.given_faces)
+        throw Error(
+            ErrorCode::unsupported,
+            "a part of a transform whose surface is outer has no bytes; make the transform of the mesh of outer()");
+    return engine::bytes_of(part, {sign, floor, topology});
+}
+
+std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_part(Device device,
+                                                                            std::span<const std::byte> bytes,
+                                                                            const TransformOptions& options) {
+    engine::StoredPart stored = engine::part_of_bytes(bytes);
+    std::unique_ptr<State> state(new State(std::move(device), options, {}, nullptr));
+    state->sign = stored.sign.sign;
+    state->floor = stored.sign.floor;
+    state->topology = std::move(stored.sign.topology);
+    state->kept_mesh = std::make_unique<engine::KeptMesh>(state->context(), state->pool, std::move(stored.part),
+                                                          state->kept_options(options));
+    state->kept_points = std::make_unique<points::KeptPoints>(*state->kept_mesh);
+    return state;
 }
 
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions, const CallOptions& call) {

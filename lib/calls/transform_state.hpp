@@ -47,6 +47,9 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
 
     /// See DistanceTransform::restrict_to().
     std::unique_ptr<State> restricted(std::vector<Region> regions);
+    std::vector<std::byte> part_bytes();
+    static std::unique_ptr<State> of_part(Device device, std::span<const std::byte> bytes,
+                                          const TransformOptions& options);
 
     /// Several meshes with the rule and the options of this one: see select_meshes().
     std::unique_ptr<State> joined(engine::JoinedMeshes meshes, bool are_inside_out) const;

@@ -152,12 +152,10 @@ Source Source::of_planes(std::array<Cutter, 3> cutters) {
 CutPoints::CutPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles)
     : vertices_(vertices), triangles_(triangles) {
     points_.reserve(vertices.size());
-    by_rounded_.reserve(vertices.size());
     for (std::uint32_t v = 0; v < vertices.size(); ++v) {
         const Vec3& at = vertices[v];
         points_.push_back(
             {Source::of_vertex(v), {{at[0], at[1], at[2]}, 1.0}, {at[0] + 0.0, at[1] + 0.0, at[2] + 0.0}});
-        by_rounded_.emplace(hash_of(at), v);
     }
 }
 
@@ -213,6 +211,8 @@ CutPoints::Found CutPoints::find(const Source& source) const {
 }
 
 std::uint32_t CutPoints::number(const Found& found) {
+    if (by_rounded_.empty())  // most meshes have no cuts
+        for (std::uint32_t v = 0; v < points_.size(); ++v) by_rounded_.emplace(hash_of(points_[v].rounded), v);
     const std::uint64_t hash = hash_of(found.rounded);
     const auto [first, last] = by_rounded_.equal_range(hash);
     std::optional<HomogeneousPoint<Exact>> exact_found;

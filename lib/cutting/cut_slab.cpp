@@ -1,7 +1,5 @@
 #include "cutting/cut_slab.hpp"
 
-#include "mesh/disjoint_sets.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -17,19 +15,37 @@ public:
     std::span<const Vec3> corners() const { return std::span(corners_).first(count_); }
     bool is_empty() const { return count_ < 3; }
 
+    /// Its part from `low` up to a cell farther. In `room`, unless it is all of it.
+    const Polygon& in_cell(std::size_t axis, double low, Polygon& room) const {
+        bool is_below = false, is_above = false;
+        for (const Vec3& p : corners()) {
+            is_below = is_below || p[axis] < low;
+            is_above = is_above || p[axis] >= low + 1;
+        }
+        if (is_below && is_above) {
+            Polygon above;
+            cut(axis, low, true, above);
+            above.cut(axis, low + 1, false, room);
+        } else if (is_below || is_above) {
+            cut(axis, is_below ? low : low + 1, is_below, room);
+        } else {
+            return *this;
+        }
+        return room;
+    }
+
+private:
     /// Its part at or above a value, or below.
-    Polygon cut(std::size_t axis, double value, bool is_above) const {
-        Polygon part;
+    void cut(std::size_t axis, double value, bool is_above, Polygon& part) const {
         const auto is_in = [&](const Vec3& p) { return (p[axis] >= value) == is_above; };
+        part.count_ = 0;
         for (std::size_t i = 0; i < count_; ++i) {
             const Vec3 &p = corners_[i], &q = corners_[i + 1 < count_ ? i + 1 : 0];
             if (is_in(p)) part.corners_[part.count_++] = p;
             if (is_in(p) != is_in(q)) part.corners_[part.count_++] = point_at(p, q, axis, value);
         }
-        return part;
     }
 
-private:
     std::array<Vec3, 12> corners_;  // NOLINT(*-member-init): those beyond the count are never read
     std::size_t count_ = 0;
 };
@@ -53,12 +69,13 @@ Slab::Slab(std::span<const Triangle> triangles, std::span<const Vec3> positions,
       counts_{grid.size[0] - 1, grid.size[1] - 1, 1} {}
 
 void Slab::run(std::int64_t k, std::span<const std::uint32_t> faces, std::vector<CutCell>& rows,
-               std::vector<bool>& are_full) {
+               std::span<CellType> types) {
     first_ = {grid_.first[0], grid_.first[1], grid_.first[2] + k};
     x_.reset(first_, counts_, counts_[0] + 1);
     y_.reset(first_, counts_, counts_[1] + 1);
     z_.reset(first_, counts_, 2);
     cells_.reset(static_cast<std::size_t>(counts_[0] * counts_[1]));
+    listed_.clear();
     for (const std::uint32_t face : faces) {
         std::array<Vec3, 3> corners;
         for (std::size_t i = 0; i < 3; ++i) corners[i] = positions_[triangles_[face][i]];
@@ -79,22 +96,25 @@ void Slab::run(std::int64_t k, std::span<const std::uint32_t> faces, std::vector
     x_.finish();
     y_.finish();
     z_.finish();
-    for (std::int64_t j = 0; j < counts_[1]; ++j)
-        for (std::int64_t i = 0; i < counts_[0]; ++i)
-            if (const CellSums* const sums = cells_.find(index(i, j))) rows.push_back(row(i, j, *sums));
+    places_.assign(cells_.places().begin(), cells_.places().end());
+    std::ranges::sort(places_);
+    const auto width = static_cast<std::size_t>(counts_[0]);
+    for (const std::size_t place : places_)
+        rows.push_back(row(static_cast<std::int64_t>(place % width), static_cast<std::int64_t>(place / width),
+                           *cells_.find(place)));
     // Without surface in a cell its high face is as that face's edge, which runs along y.
+    std::ranges::fill(types, CellType::empty);
     for (std::int64_t i = 0; i < counts_[0]; ++i)
-        for (std::int64_t j = 0; j < counts_[1]; ++j)
-            if (z_.is_edge_solid(1, i, j) && cells_.find(index(i, j)) == nullptr) are_full[index(i, j)] = true;
+        for (std::int64_t j = 0; z_.may_be_solid(1, i) && j < counts_[1]; ++j)
+            if (z_.is_edge_solid(1, i, j)) types[index(i, j)] = CellType::full;
+    for (const std::size_t place : places_) types[place] = CellType::cut;
 }
 
 void Slab::add_cells(const std::array<Vec3, 3>& corners, std::uint32_t face) {
     const std::size_t moved = moved_axis(corners, walls_);
-    const auto part = [&](const Polygon& polygon, std::size_t axis, std::int64_t cell) {
-        const auto low = static_cast<double>(first_[axis] + cell);
-        const bool is_whole =
-            std::ranges::all_of(polygon.corners(), [&](const Vec3& p) { return p[axis] >= low && p[axis] < low + 1; });
-        return is_whole || axis == moved ? polygon : polygon.cut(axis, low, true).cut(axis, low + 1, false);
+    const auto part = [&](const Polygon& polygon, std::size_t axis, std::int64_t cell,
+                          Polygon& room) -> const Polygon& {
+        return axis == moved ? polygon : polygon.in_cell(axis, static_cast<double>(first_[axis] + cell), room);
     };
     const auto range = [&](const Polygon& polygon, std::size_t axis) {
         const auto [least, most] = std::ranges::minmax(polygon.corners(), {}, [&](const Vec3& p) { return p[axis]; });
@@ -106,17 +126,18 @@ void Slab::add_cells(const std::array<Vec3, 3>& corners, std::uint32_t face) {
         return CellRange{below, below};
     };
     const Polygon whole(corners);
+    std::array<Polygon, 3> rooms;
     const CellRange slabs = moved == 2 ? range(whole, 2) : CellRange{0, 0};
     for (std::int64_t k = slabs.low; k <= slabs.high; ++k) {
-        const Polygon slab = part(whole, 2, k);
-        if (slab.is_empty()) continue;
-        const CellRange in_slab = range(slab, 1);
-        for (std::int64_t j = in_slab.low; j <= in_slab.high; ++j) {
-            const Polygon in_row = part(slab, 1, j);
+        const Polygon& in_slab = part(whole, 2, k, rooms[2]);
+        if (in_slab.is_empty()) continue;
+        const CellRange rows = range(in_slab, 1);
+        for (std::int64_t j = rows.low; j <= rows.high; ++j) {
+            const Polygon& in_row = part(in_slab, 1, j, rooms[1]);
             if (in_row.is_empty()) continue;
             const CellRange cells = range(in_row, 0);
             for (std::int64_t i = cells.low; i <= cells.high; ++i)
-                if (const Polygon in_cell = part(in_row, 0, i); !in_cell.is_empty())
+                if (const Polygon& in_cell = part(in_row, 0, i, rooms[0]); !in_cell.is_empty())
                     add(in_cell, {i, j, k}, face, moved);
         }
     }
@@ -155,15 +176,18 @@ void Slab::add(const Polygon& polygon, const std::array<std::int64_t, 3>& cell, 
         sums->area.add(area);
         for (std::size_t d = 0; d < 3; ++d) sums->centre[d].add(area * (a[d] + b[d] + c[d]) / 3);
     }
-    if (sums != nullptr) sums->faces.push_back(face);
+    if (sums == nullptr) return;
+    listed_.push_back({face, sums->last_face});
+    sums->last_face = static_cast<std::uint32_t>(listed_.size() - 1);
+    ++sums->faces;
 }
 
 CutCell Slab::row(std::int64_t i, std::int64_t j, const CellSums& sums) {
     CutCell row;
     row.cell = {static_cast<std::int32_t>(first_[0] + i), static_cast<std::int32_t>(first_[1] + j),
                 static_cast<std::int32_t>(first_[2])};
-    row.pieces = pieces(sums.faces, {static_cast<double>(row.cell[0]), static_cast<double>(row.cell[1]),
-                                     static_cast<double>(row.cell[2])});
+    row.pieces = pieces(
+        sums, {static_cast<double>(row.cell[0]), static_cast<double>(row.cell[1]), static_cast<double>(row.cell[2])});
     std::array<std::array<double, 3>, 6> sections;
     sections[0] = x_.at(i, 0, j);
     sections[1] = x_.at(i + 1, 0, j);
@@ -190,31 +214,31 @@ CutCell Slab::row(std::int64_t i, std::int64_t j, const CellSums& sums) {
 }
 
 /// Faces are joined over an edge that has a part in the cell.
-std::uint32_t Slab::pieces(std::span<const std::uint32_t> faces, const Vec3& low) {
-    auto count = static_cast<std::uint32_t>(faces.size());
+std::uint32_t Slab::pieces(const CellSums& sums, const Vec3& low) {
+    std::uint32_t count = sums.faces;
     if (count == 1) return 1;
-    DisjointSets sets(faces.size());
+    sets_.reset(count);
     edges_.clear();
-    for (std::uint32_t n = 0; n < faces.size(); ++n) {
-        const Triangle& corners = triangles_[faces[n]];
-        for (std::size_t i = 0; i < 3; ++i)
-            edges_.push_back(
-                {std::min(corners[i], corners[(i + 1) % 3]), std::max(corners[i], corners[(i + 1) % 3]), n});
+    for (std::uint32_t n = 0, at = sums.last_face; n < sums.faces; ++n, at = listed_[at].before) {
+        const Triangle& corners = triangles_[listed_[at].face];
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto [a, b] = std::minmax(corners[i], corners[(i + 1) % 3]);
+            edges_.push_back({std::uint64_t{a} << 32 | b, n});
+        }
     }
-    std::ranges::sort(edges_);
+    std::ranges::sort(edges_, {}, &Edge::ends);
     for (std::size_t n = 1; n < edges_.size() && count > 1; ++n) {
         const Edge &one = edges_[n - 1], &other = edges_[n];
-        if (one[0] != other[0] || one[1] != other[1]) continue;
-        if (sets.root(other[2]) == sets.root(one[2]) || !meets(other, low)) continue;
+        if (one.ends != other.ends || sets_.root(other.face) == sets_.root(one.face) || !meets(other, low)) continue;
         --count;
-        sets.join(other[2], one[2]);
+        sets_.join(other.face, one.face);
     }
     return count;
 }
 
 /// Whether an edge has a part in the cell.
 bool Slab::meets(const Edge& edge, const Vec3& low) const {
-    const Vec3 &p = positions_[edge[0]], &q = positions_[edge[1]];
+    const Vec3 &p = positions_[edge.low()], &q = positions_[edge.high()];
     double from = 0, to = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double step = q[axis] - p[axis];

@@ -1,14 +1,17 @@
 #include <clsdf/error.hpp>
 #include <clsdf/fractions.hpp>
 
+#include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "cutting/cancellation.hpp"
 #include "cutting/cut_slab.hpp"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -30,12 +33,20 @@ using cutting::Slab;
 
 void check(const Grid& grid) {
     grid.validate();
-    for (std::size_t axis = 0; axis < 3; ++axis)
+    constexpr std::int64_t farthest = std::numeric_limits<std::int32_t>::max();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
         if (grid.size[axis] < 2)
             throw Error(
                 ErrorCode::invalid_argument,
                 fmt::format("the grid has {} sample along {}, so no cells: give two samples or more on each axis",
                             grid.size[axis], "xyz"[axis]));
+        const std::int64_t first = grid.first[axis], last = first + grid.size[axis] - 1;
+        if (first < -farthest || last > farthest)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the grid's samples {} to {} along {} lie beyond 2^31 - 1 samples from its origin, "
+                                    "and cells are numbered from there; move the origin nearer",
+                                    first, last, "xyz"[axis]));
+    }
 }
 
 void check(const FractionOptions& options) {
@@ -150,7 +161,8 @@ public:
         return row;
     }
 
-    bool is_full(bool is_solid) const { return is_solid == (options_.part == CellPart::solid); }
+    /// Of the solid.
+    CellType type_of_full() const { return options_.part == CellPart::solid ? CellType::full : CellType::empty; }
 
 private:
     double part(double solid) const { return options_.part == CellPart::solid ? solid : 1 - solid; }
@@ -180,34 +192,23 @@ public:
         }
     }
 
-    void run(const Cancellation& cancellation) {
-        for_each_range(
+    /// progress(fraction) is called on the caller's thread.
+    void run(const Cancellation& cancellation, const auto& progress) {
+        tbb::enumerable_thread_specific<Worker> workers;
+        std::atomic<std::size_t> done = 0;
+        for_each_index(
             slabs_.size(),
-            [&](std::size_t begin, std::size_t end) {
-                const Grid* grid = nullptr;
-                std::unique_ptr<Slab> slab;
-                for (std::size_t n = begin; n != end; ++n) {
-                    cancellation.check();
-                    OneSlab& one = slabs_[n];
-                    const std::span<const std::uint32_t> faces = one.lattice->faces(one.grid->first[2] + one.k);
-                    if (faces.empty()) continue;
-                    if (grid != one.grid) {
-                        grid = one.grid;
-                        slab = std::make_unique<Slab>(one.lattice->triangles(), one.lattice->positions(), *grid,
-                                                      options_.walls);
-                    }
-                    one.are_full.assign(static_cast<std::size_t>((grid->size[0] - 1) * (grid->size[1] - 1)), false);
-                    std::vector<CutCell> rows;
-                    slab->run(one.k, faces, rows, one.are_full);
-                    const Convention convention(options_, *grid);
-                    one.rows.reserve(rows.size());
-                    for (const CutCell& row : rows) one.rows.push_back(convention.row(row));
-                }
+            [&](std::size_t n) {
+                cancellation.check();
+                run(slabs_[n], workers.local());
+                ++done;
+                if (cancellation.is_callers_thread())
+                    progress(static_cast<double>(done) / static_cast<double>(slabs_.size()));
             },
-            4);
+            1);
         std::size_t at = 0;
         for (Fractions& result : results_) {
-            const auto [nx, ny, nz] = result.counts();
+            const std::size_t nz = result.counts()[2];
             finish(result, std::span(slabs_).subspan(at, nz));
             at += nz;
         }
@@ -220,32 +221,57 @@ private:
         const OnLattice* lattice;
         std::int64_t k;
         std::vector<CellFraction> rows;
-        std::vector<bool> are_full;  ///< of solid; empty: none is
+        std::vector<std::uint8_t> full;  ///< bytes of Fractions::full, with this slab's bits alone
+    };
+    /// The memory of a thread.
+    struct Worker {
+        const Grid* grid = nullptr;
+        std::unique_ptr<Slab> slab;
+        std::vector<CutCell> rows;
+        std::vector<CellType> types;
     };
 
-    void finish(Fractions& result, std::span<OneSlab> slabs) const {
-        const Convention convention(options_, result.grid);
-        const std::size_t per_slab = result.counts()[0] * result.counts()[1];
+    void run(OneSlab& one, Worker& worker) const {
+        const Grid& grid = *one.grid;
+        const auto cells = static_cast<std::size_t>((grid.size[0] - 1) * (grid.size[1] - 1));
+        const Convention convention(options_, grid);
+        // In whole bytes of bits; cells of other slabs are never full.
+        const std::size_t shift = static_cast<std::size_t>(one.k) * cells % 8;
+        one.full.resize((shift + cells + 7) / 8);
+        worker.types.assign(8 * one.full.size(), CellType::cut);
+        const std::span<CellType> types = std::span(worker.types).subspan(shift, cells);
+        if (const auto faces = one.lattice->faces(grid.first[2] + one.k); faces.empty()) {
+            std::ranges::fill(types, CellType::empty);
+        } else {
+            if (worker.grid != one.grid)
+                worker.slab =
+                    std::make_unique<Slab>(one.lattice->triangles(), one.lattice->positions(), grid, options_.walls);
+            worker.grid = one.grid;
+            worker.rows.clear();
+            worker.slab->run(one.k, faces, worker.rows, types);
+            one.rows.reserve(worker.rows.size());
+            for (const CutCell& row : worker.rows) one.rows.push_back(convention.row(row));
+        }
+        const CellType wanted = convention.type_of_full();
+        for (std::size_t byte = 0; byte < one.full.size(); ++byte) {
+            unsigned bits = 0;
+            for (std::size_t bit = 0; bit < 8; ++bit) bits |= (worker.types[8 * byte + bit] == wanted ? 1U : 0U) << bit;
+            one.full[byte] = static_cast<std::uint8_t>(bits);
+        }
+    }
+
+    static void finish(Fractions& result, std::span<OneSlab> slabs) {
+        const auto [nx, ny, nz] = result.counts();
         std::size_t count = 0;
         for (const OneSlab& slab : slabs) count += slab.rows.size();
         result.cells.reserve(count);
-        result.full.assign((slabs.size() * per_slab + 7) / 8, 0);
-        const auto set = [&](std::size_t bit, bool value) {
-            std::uint8_t& byte = result.full[bit / 8];
-            const auto mask = static_cast<std::uint8_t>(1U << bit % 8);
-            byte = static_cast<std::uint8_t>(value ? byte | mask : byte & ~mask);
-        };
+        result.full.assign((nx * ny * nz + 7) / 8, 0);
         for (std::size_t k = 0; k < slabs.size(); ++k) {
-            OneSlab& slab = slabs[k];
-            for (std::size_t cell = 0; cell < per_slab; ++cell)
-                if (convention.is_full(!slab.are_full.empty() && slab.are_full[cell])) set(k * per_slab + cell, true);
-            for (const CellFraction& row : slab.rows) {
-                const auto i = static_cast<std::size_t>(row.cell[0] - result.grid.first[0]),
-                           j = static_cast<std::size_t>(row.cell[1] - result.grid.first[1]);
-                set(k * per_slab + j * result.counts()[0] + i, false);
-            }
-            result.cells.insert(result.cells.end(), slab.rows.begin(), slab.rows.end());
-            slab = {};
+            const std::size_t first = k * nx * ny / 8;
+            for (std::size_t byte = 0; byte < slabs[k].full.size(); ++byte)
+                result.full[first + byte] = static_cast<std::uint8_t>(result.full[first + byte] | slabs[k].full[byte]);
+            result.cells.insert(result.cells.end(), slabs[k].rows.begin(), slabs[k].rows.end());
+            slabs[k] = {};
         }
     }
 
@@ -256,6 +282,8 @@ private:
 
 /// Cells of grids that are in memory together, if there are several.
 constexpr std::int64_t batch_cells = std::int64_t{1} << 21;
+/// Layers of cells of a slab, at least: they are what cores share.
+constexpr std::int64_t least_layers = 16;
 
 }  // namespace
 
@@ -281,27 +309,53 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
                const FractionOptions& options, const CallOptions& call) {
     check(options);
     for (const Grid& grid : grids) check(grid);
-    const Cancellation cancellation(call.should_stop);
-    Lattices lattices(surface.mesh, grids, options);
-    for (std::size_t begin = 0, end = 0; begin < grids.size(); begin = end) {
-        std::int64_t cells = 0;
-        do {
-            const Grid& grid = grids[end];
-            cells += (grid.size[0] - 1) * (grid.size[1] - 1) * (grid.size[2] - 1);
-            ++end;
-        } while (end < grids.size() && cells < batch_cells);
-        Batch batch(grids.subspan(begin, end - begin), lattices, options);
-        batch.run(cancellation);
-        for (std::size_t n = begin; n < end; ++n) {
-            try {
-                sink(n, batch.results()[n - begin]);
-            } catch (const std::bad_alloc&) {
-                throw Error(ErrorCode::out_of_memory, "the function that takes fractions of cells got no memory");
+    if (!sink) throw Error(ErrorCode::invalid_argument, "fractions of cells need a sink, and it is empty");
+    with_host_memory("for the cells of the grids; give smaller ones, or take slabs (fraction_slabs())", [&] {
+        const Cancellation cancellation(call.should_stop, "the search for cut cells");
+        Lattices lattices(surface.mesh, grids, options);
+        for (std::size_t begin = 0, end = 0; begin < grids.size(); begin = end) {
+            double cells = 0;  // of any size
+            do {
+                const auto [nx, ny, nz] = grids[end].size;
+                cells += static_cast<double>(nx - 1) * static_cast<double>(ny - 1) * static_cast<double>(nz - 1);
+                ++end;
+            } while (end < grids.size() && cells < batch_cells);
+            Batch batch(grids.subspan(begin, end - begin), lattices, options);
+            const auto tell = [&](double fraction) {
+                const double grids_done = static_cast<double>(begin) + fraction * static_cast<double>(end - begin);
+                if (call.progress) call.progress({.fraction = grids_done / static_cast<double>(grids.size())});
+            };
+            batch.run(cancellation, tell);
+            for (std::size_t n = begin; n < end; ++n) {
+                try {
+                    sink(n, batch.results()[n - begin]);
+                } catch (const std::bad_alloc&) {
+                    throw Error(ErrorCode::out_of_memory, "the function that takes fractions of cells got no memory");
+                }
+                batch.results()[n - begin] = {};
             }
-            batch.results()[n - begin] = {};
+            tell(1);
         }
-        if (call.progress) call.progress({.fraction = static_cast<double>(end) / static_cast<double>(grids.size())});
-    }
+    });
+}
+
+void fraction_slabs(const OuterSurface& surface, const Grid& grid, const FractionSink& sink,
+                    const FractionOptions& options, const CallOptions& call) {
+    check(grid);
+    const auto [nx, ny, nz] = grid.size;
+    const std::int64_t layers = std::max(least_layers, batch_cells / ((nx - 1) * (ny - 1)));
+    std::vector<Grid> slabs;
+    for (std::int64_t k = 0; k < nz - 1; k += layers)
+        slabs.push_back(grid.part({0, 0, k}, {nx, ny, std::min(layers, nz - 1 - k) + 1}));
+    fractions(surface, slabs, sink, options, call);
+}
+
+std::size_t count_fractions(const OuterSurface& surface, const Grid& grid, const FractionOptions& options,
+                            const CallOptions& call) {
+    std::size_t count = 0;
+    fraction_slabs(
+        surface, grid, [&](std::size_t, const Fractions& found) { count += found.cells.size(); }, options, call);
+    return count;
 }
 
 Fractions fractions(const OuterSurface& surface, const Grid& grid, const FractionOptions& options,

@@ -2,12 +2,14 @@
 
 #include "core/parallel.hpp"
 #include "core/vectors.hpp"
-#include "mesh/box_index.hpp"
 #include "mesh/predicates.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -24,8 +26,7 @@ std::array<double, 2> seen(const Vec3& point, std::size_t axis) {
 View view_of(const Corners& corners) {
     const Vec3 normal = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
     std::array<std::uint8_t, 3> axes{0, 1, 2};
-    std::ranges::stable_sort(axes,
-                             [&](std::size_t a, std::size_t b) { return std::abs(normal[a]) > std::abs(normal[b]); });
+    std::ranges::sort(axes, {}, [&](std::uint8_t axis) { return std::pair(-std::abs(normal[axis]), axis); });
     for (const std::uint8_t axis : axes)
         if (const int sign = orientation(seen(corners[0], axis), seen(corners[1], axis), seen(corners[2], axis));
             sign != 0)
@@ -36,6 +37,7 @@ View view_of(const Corners& corners) {
 /// What cuts a face, without numbers for the ends.
 struct RawSegment {
     std::uint32_t face;
+    std::array<std::uint32_t, 2> pair;  ///< of faces, the lower first
     Cutter cutter;
     std::vector<CutPoints::Found> ends;
 };
@@ -74,8 +76,8 @@ public:
         std::vector<CutPoints::Found> ends;
         for (std::size_t side = 0; side < 2; ++side) add_ends(side, sides[side], ends);
         if (ends.empty() || (shared == 1 && are_one_vertex(ends))) return;
-        segments.push_back({faces_[0], Cutter::face(faces_[1]), ends});
-        segments.push_back({faces_[1], Cutter::face(faces_[0]), std::move(ends)});
+        segments.push_back({faces_[0], faces_, Cutter::face(faces_[1]), ends});
+        segments.push_back({faces_[1], faces_, Cutter::face(faces_[0]), std::move(ends)});
     }
 
 private:
@@ -164,7 +166,7 @@ private:
         if (ends.empty() ||
             (ends.size() == 1 && ends[0].source.kind == Source::vertex && is_corner(ends[0].source.vertices[0])))
             return;
-        segments.push_back({faces_[side], Cutter::edge(a, b, axis), std::move(ends)});
+        segments.push_back({faces_[side], faces_, Cutter::edge(a, b, axis), std::move(ends)});
     }
     /// Of two edges in a plane; the same for both orders.
     static Source crossing(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d, std::size_t axis) {
@@ -201,41 +203,41 @@ std::vector<View> views_of(std::span<const Vec3> vertices, std::span<const Trian
     return views;
 }
 
-Meetings::Meetings(CutPoints& points, std::span<const View> views, const Cancellation& cancellation)
-    : begins_(views.size() + 1) {
-    const std::span<const Triangle> triangles = points.triangles();
-    std::vector<std::uint32_t> faces;  // with an area
-    std::vector<Box> boxes;
-    for (std::uint32_t face = 0; face < triangles.size(); ++face) {
-        if (views[face].direction == 0) continue;
-        faces.push_back(face);
-        boxes.push_back(empty_box);
-        for (const std::uint32_t v : triangles[face]) add(boxes.back(), {points.vertex(v), points.vertex(v)});
-    }
-    const BoxIndex index(boxes);
-    constexpr std::size_t grain = 64;
-    std::vector<std::vector<RawSegment>> found(chunk_count(faces.size(), grain));
-    for_each_chunk(faces.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        cancellation.check();
-        for (std::size_t i = begin; i != end; ++i) {
-            std::vector<std::size_t> partners;
-            index.any(boxes[i], [&](std::size_t other) {
-                if (other > i) partners.push_back(other);
-                return false;
-            });
-            std::ranges::sort(partners);
-            for (const std::size_t other : partners) Pair(points, views, faces[i], faces[other]).add_to(found[chunk]);
-        }
+FaceBoxes::FaceBoxes(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const View> views) {
+    for (std::uint32_t face = 0; face < triangles.size(); ++face)
+        if (views[face].direction != 0) faces_.push_back(face);
+    std::vector<Box> boxes(faces_.size(), empty_box);
+    for_each_index(faces_.size(), [&](std::size_t i) {
+        for (const std::uint32_t v : triangles[faces_[i]]) add(boxes[i], {vertices[v], vertices[v]});
     });
+    index_.emplace(boxes);
+}
+
+Meetings::Meetings(CutPoints& points, std::span<const View> views, const FaceBoxes& boxes,
+                   const Cancellation& cancellation)
+    : begins_(views.size() + 1) {
+    std::vector<std::vector<RawSegment>> by_group(boxes.pair_groups());
+    for_each_index(
+        boxes.pair_groups(),
+        [&](std::size_t group) {
+            cancellation.check();
+            boxes.for_each_pair(group, [&](std::uint32_t first, std::uint32_t second) {
+                Pair(points, views, first, second).add_to(by_group[group]);
+            });
+        },
+        16);
+    // Points get their numbers in the order of the faces.
+    std::vector<RawSegment> found;
+    for (std::vector<RawSegment>& group : by_group) std::ranges::move(group, std::back_inserter(found));
+    std::ranges::stable_sort(found, {}, &RawSegment::pair);
     std::vector<std::pair<std::uint32_t, FaceSegment>> numbered;
-    for (const std::vector<RawSegment>& chunk : found)
-        for (const RawSegment& raw : chunk) {
-            FaceSegment segment{points.number(raw.ends.front()), 0, raw.cutter};
-            segment.to = segment.from;
-            for (const CutPoints::Found& end : raw.ends)
-                if (const std::uint32_t number = points.number(end); number != segment.from) segment.to = number;
-            numbered.emplace_back(raw.face, segment);
-        }
+    for (const RawSegment& raw : found) {
+        FaceSegment segment{points.number(raw.ends.front()), 0, raw.cutter};
+        segment.to = segment.from;
+        for (const CutPoints::Found& end : raw.ends)
+            if (const std::uint32_t number = points.number(end); number != segment.from) segment.to = number;
+        numbered.emplace_back(raw.face, segment);
+    }
     // The edges of a face in the same plane come once more from their other faces.
     const auto key = [](const auto& entry) {
         const auto& [face, segment] = entry;

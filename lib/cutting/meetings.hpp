@@ -4,9 +4,11 @@
 
 #include "cutting/cancellation.hpp"
 #include "cutting/cut_points.hpp"
+#include "mesh/box_index.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +23,30 @@ struct View {
 /// That of the largest component of each face's normal.
 std::vector<View> views_of(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
+/// The boxes of the faces that have an area.
+class FaceBoxes {
+public:
+    FaceBoxes(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const View> views);
+
+    /// Calls f(face) for the faces whose boxes overlap the given one, in no particular order, until it returns true.
+    /// Returns whether it did.
+    template <typename Function>
+    bool any(const Box& box, const Function& f) const {
+        return index_->any(box, [&](std::size_t i) { return f(faces_[i]); });
+    }
+    /// Groups of pairs of faces whose boxes overlap.
+    std::size_t pair_groups() const { return index_->leaf_count(); }
+    /// Calls f(a, b) for the pairs of a group, a < b, in no particular order.
+    template <typename Function>
+    void for_each_pair(std::size_t group, const Function& f) const {
+        index_->for_each_pair(group, [&](std::size_t a, std::size_t b) { f(faces_[a], faces_[b]); });
+    }
+
+private:
+    std::vector<std::uint32_t> faces_;  // ascending
+    std::optional<BoxIndex> index_;
+};
+
 /// A straight line in a face along which it is cut, or a point (both ends are the same).
 struct FaceSegment {
     std::uint32_t from, to;  ///< points
@@ -31,18 +57,16 @@ struct FaceSegment {
 class Meetings {
 public:
     /// Numbers the points.
-    Meetings(CutPoints& points, std::span<const View> views, const Cancellation& cancellation);
+    Meetings(CutPoints& points, std::span<const View> views, const FaceBoxes& boxes, const Cancellation& cancellation);
 
     /// Of a face; none if it meets no other.
     std::span<const FaceSegment> of(std::uint32_t face) const {
         return std::span(segments_).subspan(begins_[face], begins_[face + 1] - begins_[face]);
     }
-    std::size_t pairs() const { return pairs_; }
 
 private:
     std::vector<FaceSegment> segments_;  // face after face
     std::vector<std::size_t> begins_;
-    std::size_t pairs_ = 0;
 };
 
 }  // namespace clsdf::cutting

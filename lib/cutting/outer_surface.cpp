@@ -17,6 +17,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -49,9 +50,10 @@ ResolvedSignRule checked_rule(SignRule asked, const Mesh& mesh, const Topology& 
 }
 
 /// Whole faces that meet no other face, and the pieces of those that do.
-std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views, const Cancellation& cancellation) {
+std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views, const cutting::FaceBoxes& boxes,
+                             const Cancellation& cancellation) {
     const std::span<const Triangle> triangles = points.triangles();
-    const Meetings meetings(points, views, cancellation);
+    const Meetings meetings(points, views, boxes, cancellation);
     std::vector<std::uint32_t> met;
     for (std::uint32_t face = 0; face < triangles.size(); ++face)
         if (!meetings.of(face).empty()) met.push_back(face);
@@ -158,9 +160,12 @@ std::string warning_of(const ResolvedSignRule& resolved, const OuterSurface& sur
 
 /// for_transform: also what transforms need beside the surface.
 cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptions& call, bool for_transform) {
-    const Cancellation cancellation(call.should_stop);
+    const Cancellation cancellation(call.should_stop, "the search for the outer surface");
     const std::vector<std::uint32_t> first = first_equal_vertices(given.vertices());
-    const Mesh mesh = merged(given, first);
+    std::optional<Mesh> one_of_each;
+    for (std::size_t v = 0; v < first.size() && !one_of_each; ++v)
+        if (first[v] != v) one_of_each = merged(given, first);
+    const Mesh& mesh = one_of_each ? *one_of_each : given;
     auto [topology, surface] = describe_mesh(mesh, asked);
     const std::size_t overlapping_parts = std::exchange(topology.overlapping_parts, 0);  // they are no news here
     const ResolvedSignRule resolved = checked_rule(asked, given, topology);
@@ -169,16 +174,18 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
     // Products of seven lengths must be numbers.
     const int exponent = exponent_of(mesh);
     std::vector<Vec3> scaled = mesh.vertices();
-    for (Vec3& vertex : scaled)
-        for (double& x : vertex) x = std::ldexp(x, -exponent);
+    for_each_index(scaled.size(), [&](std::size_t v) {
+        for (double& x : scaled[v]) x = std::ldexp(x, -exponent);
+    });
     std::vector<Triangle> triangles;
     triangles.reserve(mesh.triangles().size());
     for (const auto& [a, b, c] : mesh.triangles())
         triangles.push_back({surface.vertex(a), surface.vertex(b), surface.vertex(c)});
     const std::vector<View> views = cutting::views_of(scaled, triangles);
+    const cutting::FaceBoxes boxes(scaled, triangles, views);
     CutPoints points(scaled, triangles);
-    const std::vector<Piece> pieces = pieces_of(points, views, cancellation);
-    const std::vector<Fate> fates = cutting::fates_of(points, views, pieces, surface, rule, cancellation);
+    const std::vector<Piece> pieces = pieces_of(points, views, boxes, cancellation);
+    const std::vector<Fate> fates = cutting::fates_of(points, views, boxes, pieces, surface, rule, cancellation);
 
     constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> numbers(points.size(), none);

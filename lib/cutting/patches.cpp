@@ -4,12 +4,12 @@
 #include "core/vectors.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/disjoint_sets.hpp"
+#include "mesh/one_rings.hpp"
 #include "mesh/predicates.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -23,62 +23,28 @@ double twice_area(const CutPoints& points, const Triangle& corners) {
 }
 
 /// The lowest piece of each piece's patch.
-std::vector<std::uint32_t> patches_of(std::span<const Piece> pieces) {
-    struct Edge {
-        std::uint32_t from, to;  ///< from < to
-        std::uint32_t piece;
-        bool is_backward;
-    };
-    std::vector<Edge> edges;
-    edges.reserve(3 * pieces.size());
-    for (std::uint32_t piece = 0; piece < pieces.size(); ++piece)
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::uint32_t a = pieces[piece].corners[i], b = pieces[piece].corners[(i + 1) % 3];
-            edges.push_back({std::min(a, b), std::max(a, b), piece, a > b});
+std::vector<std::uint32_t> patches_of(std::span<const Piece> pieces, std::size_t point_count) {
+    std::vector<Triangle> triangles(pieces.size());
+    for_each_index(pieces.size(), [&](std::size_t i) { triangles[i] = pieces[i].corners; });
+    const OneRings rings(triangles, point_count);
+    SharedDisjointSets sets(pieces.size());
+    for_each_range(point_count, [&](std::size_t begin, std::size_t end) {
+        std::vector<EdgeEntry> entries;
+        for (std::size_t v = begin; v != end; ++v) {
+            const auto lower = static_cast<std::uint32_t>(v);
+            const auto is_forward = [&](const Corner& edge) { return triangles[edge.face][edge.vertex] == lower; };
+            edges_above(triangles, rings, lower, entries);
+            for_each_edge(entries, [&](std::span<const EdgeEntry> edges) {
+                if (edges.size() != 2) return;
+                const Corner one = edges[0].edge(), other = edges[1].edge();
+                if (is_forward(one) != is_forward(other)) sets.join(one.face, other.face);
+            });
         }
-    std::ranges::sort(edges, {}, [](const Edge& edge) { return std::tuple(edge.from, edge.to, edge.piece); });
-    DisjointSets sets(pieces.size());
-    for (std::size_t begin = 0; begin < edges.size();) {
-        std::size_t end = begin + 1;
-        while (end < edges.size() && edges[end].from == edges[begin].from && edges[end].to == edges[begin].to) ++end;
-        if (end - begin == 2 && edges[begin].is_backward != edges[begin + 1].is_backward)
-            sets.join(edges[begin].piece, edges[begin + 1].piece);
-        begin = end;
-    }
+    });
     std::vector<std::uint32_t> patches(pieces.size());
-    for (std::uint32_t piece = 0; piece < pieces.size(); ++piece) patches[piece] = sets.root(piece);
+    for_each_index(pieces.size(), [&](std::size_t i) { patches[i] = sets.root(static_cast<std::uint32_t>(i)); });
     return patches;
 }
-
-/// Faces, looked for along one axis.
-class Column {
-public:
-    Column(const CutPoints& points, std::span<const View> views, std::size_t axis) : axis_(axis) {
-        std::vector<Box> boxes;
-        for (std::uint32_t face = 0; face < views.size(); ++face) {
-            if (views[face].direction == 0) continue;
-            faces_.push_back(face);
-            boxes.push_back(empty_box);
-            for (const std::uint32_t v : points.triangles()[face])
-                add(boxes.back(), {points.vertex(v), points.vertex(v)});
-            boxes.back().lower[axis] = -infinite_length;  // whatever lies below, too
-        }
-        index_.emplace(boxes);
-    }
-
-    /// Calls f(face) for the faces whose boxes lie above a point or around it, until it returns true.
-    template <typename Function>
-    bool any_above(const Box& point, const Function& f) const {
-        return index_->any(point, [&](std::size_t i) { return f(faces_[i]); });
-    }
-
-    std::size_t axis() const { return axis_; }
-
-private:
-    std::size_t axis_;
-    std::vector<std::uint32_t> faces_;
-    std::optional<BoxIndex> index_;
-};
 
 /// The winding numbers beside a point of a face, above it along an axis and below, and the lowest face in which it
 /// lies.
@@ -89,9 +55,9 @@ struct Windings {
 
 /// Nothing if the ray upwards meets an edge.
 std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, const View& view,
-                                    const CutPoints& points, const Column& column, const SignSurface& surface) {
+                                    const CutPoints& points, const FaceBoxes& boxes, const SignSurface& surface) {
     Windings found{0, 0, own};
-    const std::size_t axis = column.axis();
+    const std::size_t axis = view.axis;
     const auto corner = [&](std::uint32_t face, std::size_t i) { return points.vertex(points.triangles()[face][i]); };
     // Whether the face lies in the plane of its own.
     const auto is_in_plane = [&](std::uint32_t face) {
@@ -99,7 +65,9 @@ std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, 
             if (orientation(corner(own, 0), corner(own, 1), corner(own, 2), corner(face, i)) != 0) return false;
         return true;
     };
-    const bool is_hit = column.any_above(point.box(), [&](std::uint32_t face) {
+    Box above = point.box();
+    above.upper[axis] = infinite_length;
+    const bool is_hit = boxes.any(above, [&](std::uint32_t face) {
         const Triangle& corners = points.triangles()[face];
         int direction = view.direction;
         if (face != own) {
@@ -131,9 +99,10 @@ std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, 
 
 }  // namespace
 
-std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views, std::span<const Piece> pieces,
-                           const SignSurface& surface, SignRule rule, const Cancellation& cancellation) {
-    const std::vector<std::uint32_t> patches = patches_of(pieces);
+std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views, const FaceBoxes& boxes,
+                           std::span<const Piece> pieces, const SignSurface& surface, SignRule rule,
+                           const Cancellation& cancellation) {
+    const std::vector<std::uint32_t> patches = patches_of(pieces, points.size());
     std::vector<double> areas(pieces.size());
     for_each_index(pieces.size(), [&](std::size_t i) { areas[i] = twice_area(points, pieces[i].corners); });
     std::vector<std::uint32_t> largest(pieces.size());  // by the lowest piece of a patch
@@ -141,12 +110,6 @@ std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views,
     for (std::uint32_t i = 0; i < pieces.size(); ++i)
         if (areas[i] > areas[largest[patches[i]]]) largest[patches[i]] = i;
 
-    std::array<bool, 3> are_asked{};
-    for (std::uint32_t patch = 0; patch < pieces.size(); ++patch)
-        if (patches[patch] == patch) are_asked[views[pieces[largest[patch]].face].axis] = true;
-    std::array<std::optional<Column>, 3> columns;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (are_asked[axis]) columns[axis].emplace(points, views, axis);
     std::vector<Fate> fates(pieces.size(), Fate::dropped);
     for_each_index(
         pieces.size(),
@@ -160,7 +123,7 @@ std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views,
                 cancellation.check();
                 const Vec3 weights{1, t, t * t};
                 CutPoints::Inner point(points, piece.corners, weights);
-                windings = windings_at(point, piece.face, view, points, *columns[view.axis], surface);
+                windings = windings_at(point, piece.face, view, points, boxes, surface);
             }
             if (windings->lowest != piece.face) return;
             int front = windings->above, back = windings->below;

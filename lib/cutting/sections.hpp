@@ -9,17 +9,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 namespace clsdf::cutting {
 
-/// A sum that rounds once (A. Neumaier, 1974).
+/// A sum that rounds once (A. Neumaier, 1974), with the rest of each addition by D. Knuth's, which has no branch.
 class Sum {
 public:
     void add(double value) {
-        const double sum = sum_ + value;
-        rest_ += std::abs(sum_) >= std::abs(value) ? (sum_ - sum) + value : (value - sum) + sum_;
+        const double sum = sum_ + value, part = sum - sum_;
+        rest_ += (sum_ - (sum - part)) + (value - part);
         sum_ = sum;
     }
     double value() const { return sum_ + rest_; }
@@ -57,8 +58,10 @@ template <typename Item>
 class FewItems {
 public:
     void reset(std::size_t count) {
-        if (numbers_.size() != count) numbers_.assign(count, 0);
-        for (const std::size_t place : places_) numbers_[place] = 0;
+        if (numbers_.size() == count)
+            for (const std::size_t place : places_) numbers_[place] = 0;
+        else
+            numbers_.assign(count, 0);
         places_.clear();
         items_.clear();
     }
@@ -70,6 +73,8 @@ public:
         }
         return items_[numbers_[place] - 1];
     }
+    /// Those that are not missing, in the order in which they were made.
+    std::span<const std::size_t> places() const { return places_; }
     /// Null if it is missing.
     const Item* find(std::size_t place) const { return numbers_[place] == 0 ? nullptr : &items_[numbers_[place] - 1]; }
 
@@ -90,14 +95,25 @@ class Lines {
 public:
     void reset(std::size_t lines, std::int64_t first, std::size_t cells) {
         first_ = first;
+        if (is_crossed_.size() == lines && cells_ == cells)
+            for (const std::size_t line : crossed_) {
+                std::ranges::fill(steps_of(line), 0);
+                is_crossed_[line] = 0;
+            }
+        else {
+            is_crossed_.assign(lines, 0);
+            steps_.assign(lines * cells, 0);
+        }
+        crossed_.clear();
         cells_ = cells;
-        steps_.assign(lines * cells, 0);
         parts_.reset(lines * cells);
     }
     /// A line enters the solid (1) or leaves it (-1).
     void add(std::size_t line, double at, int way) {
         const CellRange cell(at, at, first_, static_cast<std::int64_t>(cells_));
         if (cell.low == static_cast<std::int64_t>(cells_)) return;
+        if (is_crossed_[line] == 0) crossed_.push_back(line);
+        is_crossed_[line] = 1;
         const std::size_t place = line * cells_ + static_cast<std::size_t>(cell.low);
         steps_[place] += way;
         if (cell.high < 0) return;  // before the first cell: whole cells alone
@@ -108,11 +124,13 @@ public:
     }
     /// Sums up what enters and leaves.
     void finish() {
-        for (std::size_t first = 0; first < steps_.size(); first += cells_) {
+        for (const std::size_t line : crossed_) {
             int inside = 0;
-            for (std::size_t i = 0; i < cells_; ++i) inside = steps_[first + i] += inside;
+            for (int& step : steps_of(line)) inside = step += inside;
         }
     }
+    /// If not, none of its cells are within the solid.
+    bool is_crossed(std::size_t line) const { return is_crossed_[line] != 0; }
     double length(std::size_t line, std::size_t cell) const {
         const Part* const part = parts_.find(line * cells_ + cell);
         return steps_[line * cells_ + cell] + (part == nullptr ? 0 : part->length.value());
@@ -127,9 +145,13 @@ private:
         Sum length, moment;
     };
 
+    std::span<int> steps_of(std::size_t line) { return std::span(steps_).subspan(line * cells_, cells_); }
+
     std::int64_t first_ = 0;
     std::size_t cells_ = 0;
     std::vector<int> steps_;
+    std::vector<std::uint8_t> is_crossed_;  // by line
+    std::vector<std::size_t> crossed_;
     FewItems<Part> parts_;
 };
 
@@ -153,6 +175,8 @@ public:
 
     /// The integrals over the section in a cell's low face.
     std::array<double, 3> at(std::int64_t plane, std::int64_t side, std::int64_t along) const;
+    /// If not, no edge on the high side of the cells of a row is solid.
+    bool may_be_solid(std::int64_t plane, std::int64_t side) const { return lines_.is_crossed(line(plane, side)); }
     /// Whether most of the edge is solid on the high side of a cell's low face.
     bool is_edge_solid(std::int64_t plane, std::int64_t side, std::int64_t along) const {
         return lines_.length(line(plane, side), static_cast<std::size_t>(along)) > 0.5;

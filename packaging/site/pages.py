@@ -30,7 +30,7 @@ CONTENTS = {
     "Languages": "docs/python docs/c docs/fortran",
     "What the numbers mean": "docs/grids-and-bands docs/sign docs/accuracy docs/outer docs/formats",
     "More than a grid": "docs/segments docs/rays docs/sparse docs/scenes docs/fractions docs/time-steps docs/learning docs/pictures",
-    "In a simulation": "docs/parallel docs/petsc docs/dealii docs/amrex docs/flow",
+    "In a simulation": "docs/parallel docs/cuda docs/petsc docs/dealii docs/amrex docs/flow",
     "Interfaces": "interfaces/cpp interfaces/c interfaces/fortran interfaces/python",
     "Inside": "docs/method docs/papers docs/architecture docs/benchmarks benchmarks/RESULTS CONTRIBUTING",
     "About": "CHANGELOG docs/changes docs/licences LICENSE",

@@ -240,6 +240,21 @@ BOOST_AUTO_TEST_CASE(links_have_speeds_and_no_errors) {
     BOOST_TEST(std::abs(ratio - 1) < 0.1);
 }
 
+BOOST_AUTO_TEST_CASE(cut_cells_have_times_beside_the_errors_of_their_sums) {
+    const json result = result_of({"fractions", "sphere4"});
+    std::vector<std::string> names;
+    for (const json& row : result["rows"]) {
+        BOOST_TEST_INFO_SCOPE(row.dump());
+        names.push_back(row["name"]);
+        BOOST_TEST(row["seconds"]["median"].get<double>() > 0);
+        BOOST_TEST((row["cut_cells"] > 0) == (row["name"] != "outer"));
+        BOOST_TEST(row["volume_error"].get<double>() < 1e-12);
+        BOOST_TEST(row["area_error"].get<double>() < 1e-12);
+    }
+    const std::vector<std::string> expected = {"outer", "16", "16, again", "32", "32, again"};
+    BOOST_TEST(names == expected, boost::test_tools::per_element());
+}
+
 BOOST_AUTO_TEST_CASE(points_of_a_file_are_measured_alone) {
     const TemporaryFolder folder;
     const std::string file = folder.file("points.csv", "x,y,z\n0,0,0\n9,9,9\n0.5,1,0.25\n");

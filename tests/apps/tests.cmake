@@ -8,6 +8,7 @@ if(TARGET clsdf_command AND CLSDF_BUILD_PICTURE)
   clsdf_test(prepare LABELS command device AS_GPU)
   set_tests_properties(command prepare PROPERTIES TIMEOUT 900)
   clsdf_test(growth LABELS command surface topology frusta)
+  set_tests_properties(growth PROPERTIES TIMEOUT 900)
   foreach(test command prepare growth)
     add_dependencies(test_${test} clsdf_command)
     target_compile_definitions(test_${test} PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>"

@@ -43,7 +43,7 @@ list(APPEND folders cutting targets points scenes segments checks plans calls)
 
 # What is in lib, and the folders beside the core.
 file(GLOB all RELATIVE ${SOURCE}/lib LIST_DIRECTORIES true ${SOURCE}/lib/* ${SOURCE}/lib/foundations/* ${SOURCE}/lib/engine/*)
-list(FILTER all EXCLUDE REGEX "^(CMakeLists.txt|foundations|engine|include|io|papers|picture|reference|tools)$")
+list(FILTER all EXCLUDE REGEX "^(CMakeLists.txt|cuda|foundations|engine|include|io|papers|picture|reference|tools)$")
 foreach(folder ${all})
   if(NOT folder IN_LIST folders)
     message(SEND_ERROR "lib/${folder} is not among the folders of ${CMAKE_CURRENT_LIST_FILE}")
@@ -69,7 +69,7 @@ endmacro()
 
 file(GLOB all_kernels RELATIVE ${SOURCE}/kernels ${SOURCE}/kernels/*/*.h)
 file(GLOB public_headers RELATIVE ${SOURCE}/lib/include ${SOURCE}/lib/include/clsdf/*)
-set(known ${folders} foundations engine io papers picture reference tools ${all_kernels})
+set(known ${folders} foundations engine cuda io papers picture reference tools ${all_kernels})
 list(TRANSFORM known REPLACE ".*/" "")
 list(APPEND known ${public_headers})
 
@@ -79,7 +79,7 @@ set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hp
                    segments.hpp sparse.hpp topology.hpp tuning.hpp version.hpp)
 set(face_of_plans link_plan.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
 set(face clsdf.hpp distance_transform.hpp scene.hpp)
-set(beside eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp picture.hpp reference.hpp)
+set(beside cuda.hpp eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp picture.hpp reference.hpp)
 foreach(list public_of_core face_of_plans face beside)
   list(TRANSFORM ${list} PREPEND clsdf/)
 endforeach()
@@ -120,6 +120,10 @@ check_folder(${SOURCE}/lib/calls)
 # Tools for meshes, beside the core.
 set(allowed ${public_of_core} clsdf/mesh_files.hpp core mesh tools)
 check_folder(${SOURCE}/lib/tools)
+
+# Memory of CUDA, beside the core.
+set(allowed ${public_of_core} clsdf/cuda.hpp device cuda)
+check_folder(${SOURCE}/lib/cuda)
 
 # Files of kernels.
 set(allowed clsdf/output_table.h)

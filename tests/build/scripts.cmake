@@ -219,5 +219,6 @@ expect_trial(0 1 "FAILED at unknown: scripts/setup names a package that Debian 1
 expect_trial(0 1 "FAILED at unknown: scripts/setup ended with status 1" SETUP=1)
 foreach(status 1 2 125)
   expect_trial(0 1 "FAILED at unknown: the sources do not compile there" BUILD=${status})
-  expect_trial(0 1 "FAILED at unknown: a field could not be computed there, or is wrong" FIELD=${status})
+  expect_trial(0 1 "FAILED at unknown: a program on the library does not run there, or a field could not be computed, or is wrong"
+               FIELD=${status})
 endforeach()

@@ -201,25 +201,27 @@ if(WAY STREQUAL "find_package" OR WAY STREQUAL "clang")
     set(COMPILER ${clang})
   endif()
   install_package()
-  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=meshes,io,papers,reference,c -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON
+  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=meshes,io,cuda,papers,reference,c -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON
             -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON)
   build_and_run()
   check_readme_program()
   run(${build}/consumer_meshes)
+  run(${build}/consumer_cuda)
   run(${build}/consumer_papers)
   run(${build}/consumer_reference)
   run(${build}/consumer_both)
 
 elseif(WAY STREQUAL "add_subdirectory")
-  # The core alone, whose sources take minutes to compile; "shared" compiles the other libraries, too.
+  # The core alone; "shared" compiles the other libraries, too.
   configure(${COMPILER} -DWAY=add_subdirectory -DCLSDF=${CLSDF})
   build_and_run(--target consumer consumer_plugin consumer_host)
 
 elseif(WAY STREQUAL "shared")
   configure(${COMPILER} -DWAY=add_subdirectory -DCLSDF=${CLSDF} -DBUILD_SHARED_LIBS=ON)
-  run(${CMAKE_COMMAND} --build ${build} --target consumer consumer_files consumer_interrupted consumer_papers)
+  run(${CMAKE_COMMAND} --build ${build} --target consumer consumer_cuda consumer_files consumer_interrupted consumer_papers)
   run(${build}/consumer)
   check_readme_program()
+  run(${build}/consumer_cuda)
   run(${build}/consumer_papers)
   run(${build}/consumer_interrupted ${build}/cache)
   # A little more than there are.
@@ -227,6 +229,7 @@ elseif(WAY STREQUAL "shared")
   check_exports(clsdf_meshes 12)
   check_exports(clsdf_io 17)
   check_exports(clsdf_papers 18)
+  check_exports(clsdf_cuda 28)
   check_internals_have_no_state()
 
 elseif(WAY STREQUAL "components")
@@ -234,7 +237,7 @@ elseif(WAY STREQUAL "components")
   install_package(core development)
   configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=core)
   build_and_run()
-  foreach(missing meshes io papers openvdb)
+  foreach(missing meshes io cuda papers openvdb)
     execute_process(
       COMMAND ${CMAKE_COMMAND} -S ${source} -B ${build} -DCOMPONENTS=${missing}
       RESULT_VARIABLE status

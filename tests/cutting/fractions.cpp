@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <span>
 #include <vector>
@@ -423,141 +422,6 @@ BOOST_AUTO_TEST_CASE(vertices_near_a_plane_are_moved_onto_it_on_request) {
     check_throws(ErrorCode::invalid_argument, {"snap is 0.1", "0.001"}, [&] { fractions(box, grid, options); });
 }
 
-BOOST_AUTO_TEST_CASE(many_boxes_have_the_bytes_of_one_each) {
-    const Mesh mesh = make_shape("knot");
-    const OuterSurface surface = outer(mesh);
-    const Grid coarse = Grid::around(mesh.box(), {.resolution = 17}), fine = coarse.refined(2);
-    std::vector<Grid> grids;
-    for (const Grid& level : {coarse, fine})
-        for (std::int64_t n = 0; n < 4; ++n)
-            grids.push_back(
-                level.block({level.first[0] + 4 * n - 1, level.first[1] + 3, level.first[2] - n}, {7, 9, 8}));
-    std::size_t next = 0;
-    for (const FractionOptions& options : {FractionOptions(), FractionOptions::of("amrex")}) {
-        next = 0;
-        fractions(
-            surface, grids,
-            [&](std::size_t n, Fractions& found) {
-                BOOST_TEST(n == next++);
-                const Fractions known = fractions(mesh, grids[n], options);
-                BOOST_TEST((found.grid == known.grid && found.full == known.full));
-                BOOST_REQUIRE(found.cells.size() == known.cells.size());
-                for (std::size_t row = 0; row < known.cells.size(); ++row)
-                    BOOST_TEST(std::memcmp(&found.cells[row], &known.cells[row], sizeof(CellFraction)) == 0);
-            },
-            options);
-        BOOST_TEST(next == grids.size());
-    }
-    CallOptions call;
-    call.should_stop = [] { return true; };
-    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { fractions(surface, coarse, {}, call); });
-}
-
-BOOST_AUTO_TEST_CASE(dense_arrays_are_the_rows) {
-    const Mesh mesh = make_shape("knot");
-    const OuterSurface surface = outer(mesh);
-    const Grid whole = Grid::around(mesh.box(), {.resolution = 21});
-    const FractionOptions options = FractionOptions::of("amrex");
-    const std::array grids{whole.part({2, 3, 1}, {9, 8, 7}), whole};
-    // As AMReX has them: components one after the other, faces in arrays of their own.
-    struct Fab {
-        std::vector<double> volume, centroid, area, normal, surface_centroid;
-        std::array<std::vector<double>, 3> face_fractions, face_centroids;
-        std::vector<std::uint8_t> types, pieces;
-    };
-    std::vector<Fab> fabs(grids.size());
-    std::vector<FractionRequest> requests;
-    for (std::size_t n = 0; n < grids.size(); ++n) {
-        const auto [nx, ny, nz] = Fractions{grids[n], {}, {}}.counts();
-        const std::size_t cells = nx * ny * nz;
-        Fab& fab = fabs[n];
-        FractionTargets& to = requests.emplace_back(FractionRequest{grids[n], {}}).targets;
-        const auto array = [](std::vector<double>& values, std::size_t items, std::size_t components) {
-            values.assign(items * components, -7);
-            OutputArray to_values = values;
-            if (components > 1) to_values.component_stride = static_cast<std::ptrdiff_t>(items * sizeof(double));
-            return to_values;
-        };
-        fab.types.assign(cells, 9);
-        fab.pieces.assign(cells, 9);
-        to.types = fab.types;
-        to.pieces = fab.pieces;
-        to.volume = array(fab.volume, cells, 1);
-        to.centroid = array(fab.centroid, cells, 3);
-        to.area = array(fab.area, cells, 1);
-        to.normal = array(fab.normal, cells, 3);
-        to.surface_centroid = array(fab.surface_centroid, cells, 3);
-        for (std::size_t d = 0; d < 3; ++d) {
-            const std::size_t faces = (nx + (d == 0)) * (ny + (d == 1)) * (nz + (d == 2));
-            to.face_fractions[d] = array(fab.face_fractions[d], faces, 1);
-            to.face_centroids[d] = array(fab.face_centroids[d], faces, 2);
-        }
-    }
-    fractions(surface, requests, options);
-    for (std::size_t n = 0; n < grids.size(); ++n) {
-        const Fab& fab = fabs[n];
-        const Fractions found = fractions(surface, grids[n], options);
-        const auto [nx, ny, nz] = found.counts();
-        const std::size_t cells = nx * ny * nz;
-        std::map<std::size_t, const CellFraction*> rows;
-        for (const CellFraction& cell : found.cells) {
-            const Index3& first = grids[n].first;
-            rows[(static_cast<std::size_t>(cell.cell[2] - first[2]) * ny +
-                  static_cast<std::size_t>(cell.cell[1] - first[1])) *
-                     nx +
-                 static_cast<std::size_t>(cell.cell[0] - first[0])] = &cell;
-        }
-        std::size_t wrong = 0;
-        for (std::size_t k = 0; k < nz; ++k)
-            for (std::size_t j = 0; j < ny; ++j)
-                for (std::size_t i = 0; i < nx; ++i) {
-                    const std::size_t cell = (k * ny + j) * nx + i;
-                    const auto row = rows.find(cell);
-                    const bool is_cut = row != rows.end();
-                    const double volume = is_cut                   ? std::clamp(row->second->volume, 0.0, 1.0)
-                                          : found.is_full(i, j, k) ? 1
-                                                                   : 0;
-                    wrong += fab.types[cell] != (is_cut ? 2 : static_cast<std::uint8_t>(volume));
-                    wrong += fab.pieces[cell] != (is_cut ? row->second->pieces : 0);
-                    wrong += fab.volume[cell] != volume;
-                    wrong += fab.area[cell] != (is_cut ? row->second->area : 0);
-                    double normal = 0;
-                    for (std::size_t d = 0; d < 3; ++d) {
-                        wrong += fab.centroid[d * cells + cell] != (is_cut ? row->second->centroid[d] : 0);
-                        wrong +=
-                            fab.surface_centroid[d * cells + cell] != (is_cut ? row->second->surface_centroid[d] : -1);
-                        normal += fab.normal[d * cells + cell] * fab.normal[d * cells + cell];
-                        for (std::size_t side = 0; side < 2; ++side) {
-                            const std::size_t ni = nx + (d == 0), nj = ny + (d == 1), nk = nz + (d == 2);
-                            const std::size_t at = ((k + (d == 2 ? side : 0)) * nj + j + (d == 1 ? side : 0)) * ni + i +
-                                                   (d == 0 ? side : 0);
-                            const double fraction = fab.face_fractions[d][at];
-                            // A face between an uncut cell and a cut one has the value of the latter.
-                            wrong += std::abs(fraction -
-                                              (is_cut ? row->second->face_fractions[2 * d + side] : volume)) > 1e-12;
-                            if (is_cut && fraction > 0 && fraction < 1)
-                                for (std::size_t c = 0; c < 2; ++c)
-                                    wrong += fab.face_centroids[d][c * ni * nj * nk + at] !=
-                                             row->second->face_centroids[2 * d + side][c];
-                        }
-                    }
-                    wrong += std::abs(normal - (is_cut ? 1 : 0)) > 1e-12;
-                }
-        BOOST_TEST(wrong == 0U);
-        BOOST_TEST(rows.size() > 50U);
-    }
-    std::vector<float> few(7);
-    FractionRequest request{whole, {}};
-    request.targets.volume = few;
-    check_throws(ErrorCode::invalid_argument, {"array of volumes", "room for 7 numbers"},
-                 [&] { fractions(surface, std::span(&request, 1)); });
-    request.targets.volume = requests[1].targets.volume;
-    request.targets.area = requests[1].targets.volume;
-    check_throws(ErrorCode::invalid_argument, {"array of volumes", "array of areas"},
-                 [&] { fractions(surface, std::span(&request, 1)); });
-    check_throws(ErrorCode::invalid_argument, {"'amrx'", "amrex"}, [] { FractionOptions::of("amrx"); });
-}
-
 BOOST_AUTO_TEST_CASE(two_walls_of_a_wedge_are_two_pieces) {
     // Its ridge is far beyond the middle cell, which both sides cross.
     const Mesh wedge({{-4, -0.2, -1}, {-4, 0.2, -1}, {4, 0, -1}, {-4, -0.2, 2}, {-4, 0.2, 2}, {4, 0, 2}},
@@ -568,8 +432,47 @@ BOOST_AUTO_TEST_CASE(two_walls_of_a_wedge_are_two_pieces) {
     BOOST_TEST(std::abs(found.cells[0].volume - 0.2) < 1e-12);
 }
 
+BOOST_AUTO_TEST_CASE(conventions_are_one_row_told_in_other_ways) {
+    const Mesh mesh = make_shape("knot");
+    const OuterSurface surface = outer(mesh);
+    const double side = mesh.box().longest_side() / 20;
+    for (const Vec3& spacing : {Vec3{side, side, side}, Vec3{side, 2 * side, side / 2}}) {
+        const Grid grid = Grid::around(mesh.box(), {.spacing = spacing});
+        const Fractions plain = fractions(surface, grid),
+                        amrex = fractions(surface, grid, FractionOptions::of("amrex")),
+                        vtk = fractions(surface, grid, FractionOptions::of("vtk"));
+        BOOST_REQUIRE(amrex.cells.size() == plain.cells.size());
+        BOOST_REQUIRE(vtk.cells.size() == plain.cells.size());
+        for (std::size_t n = 0; n < plain.cells.size(); ++n) {
+            const CellFraction &row = plain.cells[n], &of_faces = amrex.cells[n], &points = vtk.cells[n];
+            Vec3 across;
+            for (std::size_t d = 0; d < 3; ++d) {
+                const double middle = grid.origin[d] + spacing[d] * (row.cell[d] + 0.5);
+                BOOST_TEST(std::abs(points.centroid[d] - (middle + spacing[d] * row.centroid[d])) < 1e-12 * side);
+                BOOST_TEST(std::abs(points.surface_centroid[d] - (middle + spacing[d] * row.surface_centroid[d])) <
+                           1e-12 * side);
+                // Differences of opposite faces are the area times the normal, in cubes.
+                const double between = of_faces.face_fractions[2 * d] - of_faces.face_fractions[2 * d + 1];
+                if (spacing[0] == spacing[1]) BOOST_TEST(std::abs(between - of_faces.vector_area[d]) < 1e-12);
+                across[d] = row.vector_area[d] * spacing[(d + 1) % 3] * spacing[(d + 2) % 3];
+            }
+            const double whole = length(row.vector_area);
+            if (whole < 1e-9 * side * side) continue;
+            BOOST_TEST(std::abs(of_faces.area - whole * whole / length(across)) < 1e-12);
+            BOOST_TEST(std::abs(length(of_faces.vector_area) - of_faces.area) < 1e-12);
+        }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_grid_without_cells_is_refused) {
     const Mesh box = test::box({0, 0, 0}, {1, 1, 1});
+    check_throws(ErrorCode::invalid_argument, {"3000000000 to 3000000002 along z", "origin"}, [&] {
+        fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {3, 3, 3}, {0, 0, 3000000000}});
+    });
+    // More bytes than a process has addresses.
+    check_throws(ErrorCode::out_of_memory, {"cells of the grids", "fraction_slabs()"}, [&] {
+        fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {40000000, 40000000, 5}});
+    });
     check_throws(ErrorCode::invalid_argument, {"1 sample along y"}, [&] {
         fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {3, 1, 3}});
     });

@@ -4,6 +4,7 @@
 
 #include <clsdf/device.hpp>
 
+#include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
 
 #include <filesystem>
@@ -76,7 +77,7 @@ BOOST_AUTO_TEST_CASE(are_taken_in_place_of_compiling) {
     BOOST_TEST(files_in(folder).size() == 1U);
     BOOST_TEST(!compiles(reader(folder)));
     BOOST_TEST(!compiles(reader(folder).limited({.memory = 1U << 30U})));
-    BOOST_TEST(compiles(reader(folder), std::string(options) + " -DOTHER"));
+    BOOST_TEST(compiles(reader(folder), fmt::format("{} -DOTHER", options)));
     BOOST_TEST(files_in(folder).size() == 1U, "a reader writes nothing");
     BOOST_TEST(compiles(writer(folder)), "a writer reads nothing");
     BOOST_TEST(compiles(Device::strongest()));

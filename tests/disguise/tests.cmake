@@ -6,12 +6,13 @@ add_library(clsdf_disguise SHARED ${CMAKE_CURRENT_LIST_DIR}/record.cpp ${CMAKE_C
 target_include_directories(clsdf_disguise PUBLIC ${PROJECT_SOURCE_DIR}/tests)
 target_link_libraries(clsdf_disguise PRIVATE clsdf_warnings nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS})
 
-# A stand-in for CUDA's driver, libcuda.so.1, in a folder of its own.
-add_library(clsdf_cuda SHARED ${CMAKE_CURRENT_LIST_DIR}/cuda/driver.cpp ${CMAKE_CURRENT_LIST_DIR}/cuda/streams.cpp)
-target_include_directories(clsdf_cuda PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-target_link_libraries(clsdf_cuda PRIVATE clsdf_warnings Threads::Threads)
-set_target_properties(clsdf_cuda PROPERTIES OUTPUT_NAME cuda VERSION 1 SOVERSION 1
-                                            LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/cuda)
+# A stand-in for CUDA's driver, libcuda.so.1, in a folder of its own. A program that links it has its cuda.h.
+add_library(clsdf_cuda_stand_in SHARED ${CMAKE_CURRENT_LIST_DIR}/cuda/driver.cpp ${CMAKE_CURRENT_LIST_DIR}/cuda/streams.cpp)
+target_include_directories(clsdf_cuda_stand_in PRIVATE ${PROJECT_SOURCE_DIR}/tests
+                                               INTERFACE ${CMAKE_CURRENT_LIST_DIR}/cuda/include)
+target_link_libraries(clsdf_cuda_stand_in PRIVATE clsdf_warnings Threads::Threads)
+set_target_properties(clsdf_cuda_stand_in PROPERTIES OUTPUT_NAME cuda VERSION 1 SOVERSION 1
+                                                     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/cuda)
 
 # clsdf_between(<test>...): the library lies between these tests' programs and the loader. LD_PRELOAD is split at blanks,
 # LD_LIBRARY_PATH is not.
@@ -20,6 +21,13 @@ function(clsdf_between)
                    ASAN_OPTIONS=string_append::verify_asan_link_order=0)
   set_tests_properties(${ARGN} PROPERTIES ENVIRONMENT LD_PRELOAD=$<TARGET_FILE_NAME:clsdf_disguise>
                                           ENVIRONMENT_MODIFICATION "${modification}")
+endfunction()
+
+# clsdf_with_cuda_stand_in(<test> <external>): the program, which links clsdf_cuda_stand_in, sees a GPU that shares memory with
+# it; CLSDF_DISGUISE_EXTERNAL is <external>.
+function(clsdf_with_cuda_stand_in test external)
+  clsdf_between(${test})
+  set_property(TEST ${test} APPEND PROPERTY ENVIRONMENT CLSDF_DISGUISE=gpu CLSDF_DISGUISE_EXTERNAL=${external})
 endfunction()
 
 clsdf_test(disguise_promises promises.cpp memory_promises.cpp plan_promises.cpp LABELS disguise device moves plan plans LINK clsdf_disguise clsdf::reference clsdf::papers OpenCL::OpenCL)
@@ -57,6 +65,15 @@ clsdf_between(disguise_drivers)
 # A GPU that takes memory of CUDA.
 clsdf_test(disguise_external_memory external_memory.cpp LABELS disguise device LINK clsdf_disguise OpenCL::OpenCL)
 clsdf_between(disguise_external_memory)
+
+# Arrays in memory of CUDA, with semaphores and without.
+clsdf_test(cuda_arrays LABELS cuda disguise LINK clsdf_disguise clsdf_cuda_stand_in clsdf::cuda OpenCL::OpenCL)
+clsdf_with_cuda_stand_in(cuda_arrays memory+semaphores)
+add_test(NAME cuda_arrays_without_semaphores COMMAND test_cuda_arrays --color_output=no)
+clsdf_with_cuda_stand_in(cuda_arrays_without_semaphores memory)
+set_tests_properties(cuda_arrays_without_semaphores PROPERTIES LABELS "cuda;disguise")
+
+clsdf_with_cuda_stand_in(code_for_amrex_cuda memory+semaphores)
 
 # The program behind scripts/gpu-counts.
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)

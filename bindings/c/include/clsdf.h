@@ -195,6 +195,9 @@ typedef struct clsdf_link_plan clsdf_link_plan;       /* links that go to memory
 typedef struct clsdf_field clsdf_field;               /* a field in the library's memory */
 typedef struct clsdf_sparse_field clsdf_sparse_field; /* a sparse field in the library's memory */
 typedef struct clsdf_points clsdf_points;             /* points read from a file */
+typedef struct clsdf_cuda_device clsdf_cuda_device;   /* an NVIDIA GPU as a device of OpenCL and of CUDA */
+typedef struct clsdf_cuda_memory clsdf_cuda_memory;   /* memory that CUDA and OpenCL both have */
+typedef struct clsdf_cuda_arrays clsdf_cuda_arrays;   /* arrays in memory of CUDA, for calls and plans */
 typedef struct clsdf_thread_limit clsdf_thread_limit; /* as long as it lives, the host's loops have fewer threads */
 
 CLSDF_API void clsdf_devices_retain(clsdf_devices* devices);
@@ -222,6 +225,14 @@ CLSDF_API void clsdf_sparse_field_retain(clsdf_sparse_field* field);
 CLSDF_API void clsdf_sparse_field_release(clsdf_sparse_field* field);
 CLSDF_API void clsdf_points_retain(clsdf_points* points);
 CLSDF_API void clsdf_points_release(clsdf_points* points);
+CLSDF_API void clsdf_cuda_device_retain(clsdf_cuda_device* device);
+CLSDF_API void clsdf_cuda_device_release(clsdf_cuda_device* device);
+CLSDF_API void clsdf_cuda_memory_retain(clsdf_cuda_memory* memory);
+/* Memory is freed when its handle and the arrays that use it are released, which waits for the device. */
+CLSDF_API void clsdf_cuda_memory_release(clsdf_cuda_memory* memory);
+CLSDF_API void clsdf_cuda_arrays_retain(clsdf_cuda_arrays* arrays);
+/* The last release is also clsdf_cuda_arrays_abandon(). Work that was enqueued goes on. */
+CLSDF_API void clsdf_cuda_arrays_release(clsdf_cuda_arrays* arrays);
 CLSDF_API void clsdf_thread_limit_retain(clsdf_thread_limit* limit);
 CLSDF_API void clsdf_thread_limit_release(clsdf_thread_limit* limit);
 
@@ -994,6 +1005,17 @@ CLSDF_API clsdf_status clsdf_transform_from_arrays(const clsdf_device* device, c
 CLSDF_API clsdf_status clsdf_transform_restrict(const clsdf_transform* transform, const clsdf_region* regions,
                                                 int64_t count, clsdf_transform** restricted);
 
+/* A restricted transform as bytes, for another process or for later: *count of them, into `bytes`, which has room for
+ * `room`. With bytes null and room 0 only *count is set; if the room is too small nothing is written, and *count is
+ * set, too (CLSDF_INVALID_ARGUMENT). A whole transform, or one of the outer surface, is CLSDF_UNSUPPORTED. */
+CLSDF_API clsdf_status clsdf_transform_part_bytes(const clsdf_transform* transform, uint8_t* bytes, int64_t room,
+                                                  int64_t* count);
+/* The restricted transform of these bytes, without the mesh, on any device. They are of the same version of clsdf and
+ * of this kind of machine; damaged or foreign bytes are CLSDF_INVALID_ARGUMENT. Their hash tells damage, not forgery.
+ */
+CLSDF_API clsdf_status clsdf_transform_from_part(const clsdf_device* device, const uint8_t* bytes, int64_t count,
+                                                 int32_t index_base, clsdf_transform** transform);
+
 /* New positions of all vertices, on the host or in a buffer. After an error the positions are those of before. */
 CLSDF_API clsdf_status clsdf_transform_set_positions(clsdf_transform* transform, const clsdf_array* positions,
                                                      const clsdf_call_options* call);
@@ -1393,6 +1415,26 @@ typedef struct clsdf_fraction_request {
     clsdf_array face_centroids[3]; /* an item is two */
 } clsdf_fraction_request;
 
+/* The cells of a slab, as those of a grid above: `part` is the slab, whole layers of cells. */
+typedef int32_t (*clsdf_fraction_slab_function)(void* user, const clsdf_grid* part, const clsdf_cell_fraction* cells,
+                                                int64_t count, const uint8_t* full);
+
+/* The caller's arrays for the members of clsdf_cell_fraction, each of which may be without memory, of any strides: up
+ * to the last `room` items, one for each cell that the surface meets; float64 or float32, but for the first two. */
+typedef struct clsdf_fraction_row_arrays {
+    int64_t room;
+    clsdf_array cells;  /* int32, an item is three */
+    clsdf_array pieces; /* uint32 or int32 */
+    clsdf_array volume;
+    clsdf_array centroid; /* an item is three, as of the next but `area` */
+    clsdf_array area;
+    clsdf_array vector_area;
+    clsdf_array surface_centroid;
+    clsdf_array face_fractions; /* an item is six */
+    clsdf_array face_centroids; /* an item is twelve: two of each face */
+    clsdf_array full; /* uint8, for each cell of the grid, x fastest: 1 if it is wholly of the part; needs no room */
+} clsdf_fraction_row_arrays;
+
 /* The options of a convention: "plain", "amrex", "chombo" or "vtk". */
 CLSDF_API clsdf_status clsdf_fraction_convention(const char* name, clsdf_fraction_options* options);
 /* The parts of grids' cells that a mesh fills. A mesh of clsdf_mesh_outer() is used as it is; of others the outer
@@ -1405,6 +1447,22 @@ CLSDF_API clsdf_status clsdf_fractions(const clsdf_mesh* mesh, int32_t sign, con
 CLSDF_API clsdf_status clsdf_fraction_arrays(const clsdf_mesh* mesh, int32_t sign,
                                              const clsdf_fraction_request* requests, int64_t request_count,
                                              const clsdf_fraction_options* options, const clsdf_call_options* call);
+/* The cells of a grid of any size, slab by slab in the order of z: their rows, one slab after another, are those of
+ * clsdf_fractions(). */
+CLSDF_API clsdf_status clsdf_fraction_slabs(const clsdf_mesh* mesh, int32_t sign, const clsdf_grid* grid,
+                                            const clsdf_fraction_options* options, clsdf_fraction_slab_function sink,
+                                            void* user, const clsdf_call_options* call);
+/* How many cells of a grid the surface meets. Takes the time of clsdf_fraction_slabs(). */
+CLSDF_API clsdf_status clsdf_count_fractions(const clsdf_mesh* mesh, int32_t sign, const clsdf_grid* grid,
+                                             const clsdf_fraction_options* options, const clsdf_call_options* call,
+                                             int64_t* count);
+/* The rows of a grid into the caller's arrays. `count` gets how many there are. If the arrays have less room,
+ * CLSDF_INVALID_ARGUMENT, `count` has it, and nothing is written. device: arrays may be buffers of its context; null:
+ * they are on the host. */
+CLSDF_API clsdf_status clsdf_fraction_rows(const clsdf_mesh* mesh, int32_t sign, const clsdf_device* device,
+                                           const clsdf_grid* grid, const clsdf_fraction_row_arrays* arrays,
+                                           const clsdf_fraction_options* options, const clsdf_call_options* call,
+                                           int64_t* count);
 
 /* ---- Plans ---- */
 
@@ -1527,6 +1585,88 @@ CLSDF_API clsdf_status clsdf_point_plan_count(const clsdf_point_plan* plan, int6
 CLSDF_API clsdf_status clsdf_point_plan_sign(const clsdf_point_plan* plan, int32_t* rule);
 /* Of making or updating it. */
 CLSDF_API clsdf_status clsdf_point_plan_statistics(const clsdf_point_plan* plan, clsdf_statistics* statistics);
+
+/* ---- Memory of CUDA ---- */
+
+/* Memory of CUDA as inputs and outputs. Nothing of CUDA is needed to compile or to link: NVIDIA's driver, libcuda.so.1,
+ * is opened by clsdf_cuda_device_create(). Addresses are those of cudaMalloc() or cuMemAlloc(). A stream is a
+ * cudaStream_t or a CUstream; null is CUDA's default stream. CUDA's current context is as before after each call. The
+ * message of a call of CUDA that fails has its name and its code: CLSDF_DEVICE_FAILURE or CLSDF_OUT_OF_MEMORY. A
+ * process that was forked must neither use nor release these handles. */
+
+/* The use of an array in a call. */
+#define CLSDF_CUDA_READ 0
+#define CLSDF_CUDA_WRITE 1  /* every byte gets a new value */
+#define CLSDF_CUDA_UPDATE 2 /* some bytes keep their value, as those between the values of an array with strides */
+
+/* An array in memory of CUDA: all bytes from its lowest one to its highest one. */
+typedef struct clsdf_cuda_array {
+    uint64_t address; /* of the lowest byte */
+    int64_t bytes;    /* at least 1 */
+    /* The call comes after what this stream had to do before it; what the stream has to do later comes after the call.
+     */
+    void* stream;
+    const char* name; /* in messages; null: "the array" */
+    int32_t access;   /* CLSDF_CUDA_READ ... */
+    int32_t reserved;
+} clsdf_cuda_array;
+
+/* Finds CUDA's device by its UUID, and retains its primary context, that of cudaMalloc(). CLSDF_UNSUPPORTED if the
+ * driver of OpenCL shares no memory, CLSDF_NO_DEVICE if CUDA has no driver or does not list the device. Threads: any
+ * number, in every call with a clsdf_cuda_device or a clsdf_cuda_memory. */
+CLSDF_API clsdf_status clsdf_cuda_device_create(const clsdf_device* device, clsdf_cuda_device** cuda_device);
+/* CUDA's number of the device, as of cudaSetDevice(). */
+CLSDF_API clsdf_status clsdf_cuda_device_ordinal(const clsdf_cuda_device* device, int32_t* ordinal);
+/* 1: CUDA and OpenCL wait for each other's semaphores, so that the calls around a plan's run do not block. 0: they do.
+ * Tried out at the first call, which may take a second. */
+CLSDF_API clsdf_status clsdf_cuda_device_has_semaphores(const clsdf_cuda_device* device, int32_t* has_semaphores);
+/* Frees memory that is kept for copies and that no call uses. *bytes, which may be null: how much. */
+CLSDF_API clsdf_status clsdf_cuda_device_release_memory(const clsdf_cuda_device* device, int64_t* bytes);
+
+/* Memory that CUDA and OpenCL both have, of undefined content. Arrays that lie in it are used without a copy by calls
+ * of the same clsdf_device, which take turns. */
+CLSDF_API clsdf_status clsdf_cuda_memory_create(const clsdf_cuda_device* device, int64_t bytes,
+                                                clsdf_cuda_memory** memory);
+/* Its address for CUDA, its bytes, at most 2 MiB more than asked for, and its cl_mem, which lives as long as the
+ * memory. Commands of your own may use the cl_mem only between clEnqueueAcquireExternalMemObjectsKHR and
+ * clEnqueueReleaseExternalMemObjectsKHR. Each pointer may be null. */
+CLSDF_API clsdf_status clsdf_cuda_memory_place(const clsdf_cuda_memory* memory, uint64_t* address, int64_t* bytes,
+                                               void** buffer);
+
+/* The arrays in memory of CUDA that a call uses, as buffers of OpenCL. Arrays in a clsdf_cuda_memory are used there.
+ * All others are copied within the GPU, to and from memory that the clsdf_cuda_device keeps; those that overlap stay as
+ * they lie to each other. No other stream may write to an array's bytes during the call. CLSDF_INVALID_ARGUMENT for no
+ * array, for one on another device of CUDA or at an address that its driver does not know, and for one that reaches
+ * beyond the clsdf_cuda_memory in which it begins. Threads: one, in every call with a clsdf_cuda_arrays.
+ *
+ *     clsdf_cuda_arrays_create(gpu, used, 2, &arrays);
+ *     clsdf_cuda_arrays_get(arrays, 0, CLSDF_FLOAT32, vertices, &positions);
+ *     clsdf_cuda_arrays_get(arrays, 1, CLSDF_FLOAT32, samples, &target.array);
+ *     clsdf_cuda_arrays_begin(arrays);
+ *     clsdf_transform_set_positions(transform, &positions, NULL);
+ *     clsdf_compute(transform, &grid, &band, &target, 1, NULL, NULL);
+ *     clsdf_cuda_arrays_end(arrays);
+ */
+CLSDF_API clsdf_status clsdf_cuda_arrays_create(const clsdf_cuda_device* device, const clsdf_cuda_array* used,
+                                                int64_t count, clsdf_cuda_arrays** arrays);
+/* Array `index`, from 0, as packed items in its buffer: an array or a target for calls, whose strides may be set. */
+CLSDF_API clsdf_status clsdf_cuda_arrays_get(const clsdf_cuda_arrays* arrays, int64_t index, int32_t type,
+                                             int64_t count, clsdf_array* array);
+/* Around calls that block, on one thread. The first waits for the streams, and the arrays are OpenCL's until the
+ * second. The results arrive in the order of the streams. */
+CLSDF_API clsdf_status clsdf_cuda_arrays_begin(clsdf_cuda_arrays* arrays);
+CLSDF_API clsdf_status clsdf_cuda_arrays_end(clsdf_cuda_arrays* arrays);
+/* Around a run of a plan on this queue (null: the device's own), on one thread. *event is for the run's wait list; it
+ * comes after the events of `wait_list`, and the arrays keep it until the next begin. `done` is the event of the run's
+ * end, which stays yours; the streams wait for it. May be repeated at once. */
+CLSDF_API clsdf_status clsdf_cuda_arrays_begin_run(clsdf_cuda_arrays* arrays, void* queue, void* const* wait_list,
+                                                   int64_t wait_count, void** event);
+CLSDF_API clsdf_status clsdf_cuda_arrays_end_run(clsdf_cuda_arrays* arrays, void* done);
+/* After an error between begin and end, on its thread: waits for all that was enqueued, and gives the memory back to
+ * CUDA. Arrays that are written to are undefined then. Without effect after the end. */
+CLSDF_API clsdf_status clsdf_cuda_arrays_abandon(clsdf_cuda_arrays* arrays);
+/* Later calls follow these streams in place of those of the arrays. */
+CLSDF_API clsdf_status clsdf_cuda_arrays_follow(clsdf_cuda_arrays* arrays, void* const* streams, int64_t count);
 
 /* ---- Fields in the library's memory ---- */
 

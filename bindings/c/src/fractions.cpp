@@ -48,17 +48,20 @@ OuterSurface surface_of(const clsdf_mesh& mesh, std::int32_t sign, const CallOpt
     return outer(mesh.mesh, rule, call);
 }
 
+/// Cells of a grid, or the faces across an axis.
+std::size_t items_of(const Grid& grid, std::size_t across) {
+    std::size_t items = 1;
+    for (std::size_t d = 0; d < 3; ++d) {
+        const std::int64_t samples = grid.size[d];
+        items *= samples < 1 ? 0 : static_cast<std::size_t>(d == across ? samples : samples - 1);
+    }
+    return items;
+}
+
 FractionRequest request_of(const clsdf_fraction_request& from) {
     FractionRequest request;
     request.grid = c::grid_of(&from.grid);
-    const auto count = [&](std::size_t across) {
-        std::size_t items = 1;
-        for (std::size_t d = 0; d < 3; ++d) {
-            const std::int64_t samples = request.grid.size[d];
-            items *= samples < 1 ? 0 : static_cast<std::size_t>(d == across ? samples : samples - 1);
-        }
-        return items;
-    };
+    const auto count = [&](std::size_t across) { return items_of(request.grid, across); };
     const std::size_t cells = count(3);
     const auto of_cells = [&](const clsdf_array& array, const char* name) {
         return c::items_of(array, cells, "cells", name);
@@ -79,6 +82,29 @@ FractionRequest request_of(const clsdf_fraction_request& from) {
             c::items_of(from.face_centroids[d], count(d), "faces", "clsdf_fraction_request.face_centroids.count");
     }
     return request;
+}
+
+FractionRows rows_of(const clsdf_fraction_row_arrays& from, const Grid& grid) {
+    FractionRows to;
+    to.room = c::count_of(from.room, "clsdf_fraction_row_arrays.room");
+    const auto rows = [&](const clsdf_array& array, const char* name) {
+        return c::items_of(array, to.room, "rows", name);
+    };
+    to.cells = rows(from.cells, "clsdf_fraction_row_arrays.cells.count");
+    to.pieces = rows(from.pieces, "clsdf_fraction_row_arrays.pieces.count");
+    to.volume = rows(from.volume, "clsdf_fraction_row_arrays.volume.count");
+    to.centroid = rows(from.centroid, "clsdf_fraction_row_arrays.centroid.count");
+    to.area = rows(from.area, "clsdf_fraction_row_arrays.area.count");
+    to.vector_area = rows(from.vector_area, "clsdf_fraction_row_arrays.vector_area.count");
+    to.surface_centroid = rows(from.surface_centroid, "clsdf_fraction_row_arrays.surface_centroid.count");
+    to.face_fractions = rows(from.face_fractions, "clsdf_fraction_row_arrays.face_fractions.count");
+    to.face_centroids = rows(from.face_centroids, "clsdf_fraction_row_arrays.face_centroids.count");
+    to.full = c::items_of(from.full, items_of(grid, 3), "cells", "clsdf_fraction_row_arrays.full.count");
+    return to;
+}
+
+const clsdf_cell_fraction* as_c(const std::vector<CellFraction>& cells) {
+    return reinterpret_cast<const clsdf_cell_fraction*>(cells.data());
 }
 
 }  // namespace
@@ -116,8 +142,7 @@ clsdf_status clsdf_fractions(const clsdf_mesh* mesh, std::int32_t sign, const cl
             surface_of(self, sign, caller), all,
             [&](std::size_t n, Fractions& found) {
                 clsdf_set_last_error(nullptr);
-                c::check_callback(sink(user, static_cast<std::int64_t>(n),
-                                       reinterpret_cast<const clsdf_cell_fraction*>(found.cells.data()),
+                c::check_callback(sink(user, static_cast<std::int64_t>(n), as_c(found.cells),
                                        static_cast<std::int64_t>(found.cells.size()), found.full.data()),
                                   "sink");
             },
@@ -138,5 +163,67 @@ clsdf_status clsdf_fraction_arrays(const clsdf_mesh* mesh, std::int32_t sign, co
         for (std::size_t n = 0; n < count; ++n)
             all.push_back(c::for_request(n, count, [&] { return request_of(requests[n]); }));
         fractions(surface_of(self, sign, caller), all, own, caller);
+    });
+}
+
+clsdf_status clsdf_fraction_slabs(const clsdf_mesh* mesh, std::int32_t sign, const clsdf_grid* grid,
+                                  const clsdf_fraction_options* options, clsdf_fraction_slab_function sink, void* user,
+                                  const clsdf_call_options* call) {
+    return guarded([&] {
+        const clsdf_mesh& self = of(mesh);
+        const Call caller(call);
+        const FractionOptions own = options_of(options);
+        const Grid whole = c::grid_of(grid);
+        if (sink == nullptr) throw c::misuse("sink is null; give a function");
+        fraction_slabs(
+            surface_of(self, sign, caller), whole,
+            [&](std::size_t, const Fractions& found) {
+                clsdf_set_last_error(nullptr);
+                const clsdf_grid part = c::as_c(found.grid);
+                c::check_callback(sink(user, &part, as_c(found.cells), static_cast<std::int64_t>(found.cells.size()),
+                                       found.full.data()),
+                                  "sink");
+            },
+            own, caller);
+    });
+}
+
+clsdf_status clsdf_count_fractions(const clsdf_mesh* mesh, std::int32_t sign, const clsdf_grid* grid,
+                                   const clsdf_fraction_options* options, const clsdf_call_options* call,
+                                   std::int64_t* count) {
+    return guarded([&] {
+        const clsdf_mesh& self = of(mesh);
+        const Call caller(call);
+        const FractionOptions own = options_of(options);
+        const Grid whole = c::grid_of(grid);
+        c::given(count, "count") =
+            static_cast<std::int64_t>(count_fractions(surface_of(self, sign, caller), whole, own, caller));
+    });
+}
+
+clsdf_status clsdf_fraction_rows(const clsdf_mesh* mesh, std::int32_t sign, const clsdf_device* device,
+                                 const clsdf_grid* grid, const clsdf_fraction_row_arrays* arrays,
+                                 const clsdf_fraction_options* options, const clsdf_call_options* call,
+                                 std::int64_t* count) {
+    return guarded([&] {
+        const clsdf_mesh& self = of(mesh);
+        const Call caller(call);
+        const FractionOptions own = options_of(options);
+        const Grid whole = c::grid_of(grid);
+        const FractionRows rows = rows_of(c::given(arrays, "arrays"), whole);
+        std::int64_t& told = c::given(count, "count");
+        told = 0;
+        std::size_t found = 0;
+        try {
+            const OuterSurface surface = surface_of(self, sign, caller);
+            if (device == nullptr)
+                fractions(surface, whole, rows, found, own, caller);
+            else
+                fractions(of(device).device, surface, whole, rows, found, own, caller);
+        } catch (...) {
+            told = static_cast<std::int64_t>(found);
+            throw;
+        }
+        told = static_cast<std::int64_t>(found);
     });
 }

@@ -34,6 +34,12 @@ const char* name_of(Kind kind) noexcept {
             return "sparse plan";
         case Kind::scene:
             return "scene";
+        case Kind::cuda_device:
+            return "device of CUDA";
+        case Kind::cuda_memory:
+            return "memory of CUDA";
+        case Kind::cuda_arrays:
+            return "list of arrays of CUDA";
     }
     return "kind that is not known";
 }

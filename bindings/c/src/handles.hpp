@@ -41,6 +41,9 @@ enum class Kind : std::uint64_t {
     point_plan,
     link_plan,
     scene,
+    cuda_device,
+    cuda_memory,
+    cuda_arrays,
 };
 
 const char* name_of(Kind kind) noexcept;

@@ -3,8 +3,13 @@
 #include "mesh_arrays.hpp"
 #include "values.hpp"
 
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstring>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 using namespace clsdf;
@@ -74,6 +79,32 @@ clsdf_status clsdf_transform_restrict(const clsdf_transform* transform, const cl
         for (std::int64_t i = 0; i < count; ++i)
             to.push_back({c::box_of(&regions[i].box), regions[i].half_width, regions[i].spacing});
         return new clsdf_transform(self.transform.restrict_to(to), self.index_base);
+    });
+}
+
+clsdf_status clsdf_transform_part_bytes(const clsdf_transform* transform, std::uint8_t* bytes, std::int64_t room,
+                                        std::int64_t* count) {
+    return guarded([&] {
+        std::int64_t& needed = given(count, "count");
+        needed = 0;
+        const std::vector<std::byte> part = of(transform).transform.part_bytes();
+        needed = static_cast<std::int64_t>(part.size());
+        if (bytes == nullptr && room == 0) return;
+        if (room < needed)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("bytes has room for {}, and the part has {}; give room for them", room, needed));
+        std::memcpy(&given(bytes, "bytes"), part.data(), part.size());
+    });
+}
+
+clsdf_status clsdf_transform_from_part(const clsdf_device* device, const std::uint8_t* bytes, std::int64_t count,
+                                       std::int32_t index_base, clsdf_transform** transform) {
+    return made(transform, "transform", [&] {
+        c::elements(bytes, count, "bytes");
+        return new clsdf_transform(
+            DistanceTransform::from_part(of(device).device,
+                                         std::as_bytes(std::span(bytes, static_cast<std::size_t>(count)))),
+            c::checked_index_base(index_base));
     });
 }
 

@@ -45,6 +45,16 @@ static int32_t add(void* user, int64_t grid_number, const clsdf_cell_fraction* c
     return CLSDF_OK;
 }
 
+/* Of slabs, whose rows come in the order of the whole grid's. */
+static int32_t add_slab(void* user, const clsdf_grid* part, const clsdf_cell_fraction* cells, int64_t count,
+                        const uint8_t* full) {
+    struct sums* const sums = user;
+    CHECK(part->size[0] == 8 && part->size[1] == 6 && part->first[2] == sums->ends && full != NULL);
+    sums->ends += (int)part->size[2] - 1;
+    sums->cells += count;
+    return count > 0 && cells[0].cell[2] < part->first[2] ? CLSDF_OWN_STATUS : CLSDF_OK;
+}
+
 static int32_t stop(void* user) {
     (void)user;
     return CLSDF_CANCELLED;
@@ -60,8 +70,11 @@ int main(void) {
     clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
     struct sums sums = {0, 0, 0, 0, 0, 0};
     clsdf_mesh *mesh = bar(), *outer;
+    clsdf_fraction_row_arrays arrays;
+    clsdf_cell_fraction rows[CELLS];
     double volume[CELLS], normal[3][CELLS], across_x[FACES], sum = 0;
     uint8_t types[CELLS];
+    int64_t count = 0;
     int i;
 
     OK(clsdf_mesh_outer(mesh, CLSDF_SIGN_AUTOMATIC, NULL, &outer, NULL));
@@ -73,6 +86,33 @@ int main(void) {
     CHECK(sums.full == 2 * 5 * 3 * 3 && sums.cells == 2 * (CELLS - 5 * 3 * 3));
     sums.ends = 1;
     CHECK(clsdf_fractions(outer, CLSDF_SIGN_AUTOMATIC, grids, 2, NULL, add, &sums, NULL) == CLSDF_OWN_STATUS);
+
+    /* By slabs, counted, and into rows of the caller's with a stride. */
+    memset(&sums, 0, sizeof sums);
+    OK(clsdf_fraction_slabs(outer, CLSDF_SIGN_AUTOMATIC, &grid, NULL, add_slab, &sums, NULL));
+    CHECK(sums.ends == NZ && sums.cells == CELLS - 5 * 3 * 3);
+    OK(clsdf_count_fractions(mesh, CLSDF_SIGN_AUTOMATIC, &grid, NULL, NULL, &count));
+    CHECK(count == sums.cells);
+    memset(&arrays, 0, sizeof arrays);
+    memset(rows, 0, sizeof rows);
+    arrays.room = count - 1;
+    arrays.volume = clsdf_host_array(CLSDF_FLOAT64, &rows[0].volume, 0);
+    arrays.volume.strides[0] = sizeof rows[0];
+    arrays.cells = clsdf_host_array(CLSDF_INT32, rows[0].cell, 0);
+    arrays.cells.strides[0] = sizeof rows[0];
+    arrays.full = clsdf_host_array(CLSDF_UINT8, types, CELLS);
+    FAILS(CLSDF_INVALID_ARGUMENT, "room for 129",
+          clsdf_fraction_rows(outer, CLSDF_SIGN_AUTOMATIC, NULL, &grid, &arrays, NULL, NULL, &count));
+    CHECK(count == 130 && rows[0].volume == 0);
+    arrays.room = CELLS;
+    OK(clsdf_fraction_rows(outer, CLSDF_SIGN_AUTOMATIC, NULL, &grid, &arrays, NULL, NULL, &count));
+    for (i = 0; i < CELLS; ++i) sum += rows[i].volume + types[i];
+    CHECK(count == 130 && sum * 0.125 > 12 - 1e-12 && sum * 0.125 < 12 + 1e-12);
+    CHECK(rows[129].cell[0] == NX - 1 && rows[129].cell[2] == NZ - 1 && rows[130].volume == 0);
+    FAILS(CLSDF_INVALID_ARGUMENT, "count is null",
+          clsdf_fraction_rows(outer, CLSDF_SIGN_AUTOMATIC, NULL, &grid, &arrays, NULL, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "sink is null",
+          clsdf_fraction_slabs(outer, CLSDF_SIGN_AUTOMATIC, &grid, NULL, NULL, NULL, NULL));
 
     /* As AMReX has them: the fluid, the normal into the solid, components one after another. */
     OK(clsdf_fraction_convention("amrex", &options));
@@ -86,6 +126,7 @@ int main(void) {
     request.normal.component_stride = sizeof normal[0];
     request.face_fractions[0] = clsdf_host_array(CLSDF_FLOAT64, across_x, FACES);
     OK(clsdf_fraction_arrays(outer, CLSDF_SIGN_AUTOMATIC, &request, 1, &options, NULL));
+    sum = 0;
     for (i = 0; i < CELLS; ++i) {
         sum += volume[i];
         if (types[i] != CLSDF_CELL_CUT) CHECK(volume[i] == (types[i] == CLSDF_CELL_FULL ? 1 : 0));

@@ -367,5 +367,24 @@ int main(void) {
     MEMBER(clsdf_fraction_request, surface_centroid);
     MEMBER(clsdf_fraction_request, face_fractions);
     MEMBER(clsdf_fraction_request, face_centroids);
+    SIZE(clsdf_fraction_row_arrays);
+    MEMBER(clsdf_fraction_row_arrays, room);
+    MEMBER(clsdf_fraction_row_arrays, cells);
+    MEMBER(clsdf_fraction_row_arrays, pieces);
+    MEMBER(clsdf_fraction_row_arrays, volume);
+    MEMBER(clsdf_fraction_row_arrays, centroid);
+    MEMBER(clsdf_fraction_row_arrays, area);
+    MEMBER(clsdf_fraction_row_arrays, vector_area);
+    MEMBER(clsdf_fraction_row_arrays, surface_centroid);
+    MEMBER(clsdf_fraction_row_arrays, face_fractions);
+    MEMBER(clsdf_fraction_row_arrays, face_centroids);
+    MEMBER(clsdf_fraction_row_arrays, full);
+    SIZE(clsdf_cuda_array);
+    MEMBER(clsdf_cuda_array, address);
+    MEMBER(clsdf_cuda_array, bytes);
+    MEMBER(clsdf_cuda_array, stream);
+    MEMBER(clsdf_cuda_array, name);
+    MEMBER(clsdf_cuda_array, access);
+    MEMBER(clsdf_cuda_array, reserved);
     return 0;
 }

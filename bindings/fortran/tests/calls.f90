@@ -571,7 +571,8 @@ contains
   end subroutine
 
   subroutine other_calls()
-    type(clsdf_transform) :: part, same
+    type(clsdf_transform) :: part, same, of_bytes
+    integer(c_int8_t), allocatable :: bytes(:)
     type(clsdf_box) :: box
     type(clsdf_kept_memory) :: memory
     type(clsdf_topology) :: topology
@@ -606,6 +607,17 @@ contains
     call part%compute(grid%part(middle, [3, 3, 3]), band, phi(:3, :3, :3))
     call check(all(phi(:3, :3, :3) == expected(middle(1):middle(1) + 2, middle(2):middle(2) + 2, &
         middle(3):middle(3) + 2)), 'a part of the domain')
+    call part%part_bytes(bytes)
+    call of_bytes%create_from_part(device, bytes)
+    phi(:3, :3, :3) = 0
+    call of_bytes%compute(grid%part(middle, [3, 3, 3]), band, phi(:3, :3, :3))
+    call check(all(phi(:3, :3, :3) == expected(middle(1):middle(1) + 2, middle(2):middle(2) + 2, &
+        middle(3):middle(3) + 2)), 'a part of bytes')
+    bytes(size(bytes)) = not(bytes(size(bytes)))
+    call of_bytes%create_from_part(device, bytes, stat, errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'were changed')
+    call transform%part_bytes(bytes, stat, errmsg)
+    call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'restrict it first')
 
     ! A quarter turn: columns of the rotation are images of the axes.
     call same%create(device, mesh)

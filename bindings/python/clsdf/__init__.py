@@ -21,7 +21,7 @@ from . import _signatures
 from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemory, OutputFailure, UnreadableInput, Unsupported
 from ._values import Blocks, Points
 from ._field import Field
-from ._files import FieldWriter, read_field, write_field
+from ._files import FieldWriter, read_field, write_field, write_overlapping_amr
 from ._fractions import Fractions, fractions
 from ._links import Crossings, EdgeCrossings, Links, stencil
 from ._pictures import Picture, slice_picture
@@ -111,6 +111,7 @@ __all__ = [
     "typing",
     "weld",
     "write_field",
+    "write_overlapping_amr",
 ]
 
 

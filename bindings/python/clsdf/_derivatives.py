@@ -32,8 +32,7 @@ def check(body: Any, points: Any, vertices: Any, floats: Any) -> None:
         raise Error(f"points has the shape {tuple(points.shape)}; expected (..., 3)")
     if vertices is not None and body._made_of[5] != "given":
         raise Error("vertices: where faces cut each other no one face has the derivative; make the body with surface='given'")
-    own = body._made_of[0].shape
-    if vertices is not None and tuple(vertices.shape) != own:
+    if vertices is not None and tuple(vertices.shape) != (own := body.vertices.shape):
         raise Error(f"vertices has the shape {tuple(vertices.shape)}; the body's have {own}")
     for name, array in (("points", points), ("vertices", vertices)):
         if array is not None and array.dtype not in floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import warnings
+from collections.abc import Iterable
 from types import TracebackType
 from typing import Any
 
@@ -53,6 +54,19 @@ def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | Non
     )
     with writer:
         writer.append(field)
+
+
+def write_overlapping_amr(fields: Iterable[Field], path: str | os.PathLike[str]) -> None:
+    """Writes fields on boxes of refined levels as VTK's OverlappingAMR (.vtkhdf): their samples are centres of cells,
+    and ParaView and VTK show coarse cells where no finer box covers them (VTK 9.7 does, 9.1 cannot read it). Fields of
+    one spacing are a level, in any order. Complete or not at all.
+
+        clsdf.write_overlapping_amr([body.field(coarse, band), *body.fields(boxes, band)], "levels.vtkhdf")
+
+    Raises clsdf.Error: invalid_argument names the box whose spacing or place does not fit the coarser level, or that
+    has other outputs than the first; unsupported for another ending; output_failure."""
+    boxes = [(f.grid, {name: _packed(name, f.arrays[name]) for name in f.outputs}) for f in fields]
+    _core.write_overlapping_amr(os.fspath(path), boxes)
 
 
 class FieldWriter:

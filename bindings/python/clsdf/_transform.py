@@ -169,12 +169,15 @@ class Transform(WithFields):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The mesh's arrays, the present positions, the options, and the device by its name and limits, on which
-        unpickling makes the transform again."""
+        unpickling makes the transform again. Of one that was made by from_part(): its bytes."""
+        if self._made_of[0] is None:
+            return Transform.from_part, (self.part_bytes(), self.device, self._made_of[3])
         return _made_again, (self.device, *self._state())
 
     def __copy__(self) -> Transform:
         """A transform of the same mesh at its present positions, on the same device."""
-        return _made_again(self.device, *self._state())
+        make, of = self.__reduce__()
+        return make(*of)  # type: ignore[no-any-return]
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Transform:
         return self.__copy__()
@@ -267,11 +270,13 @@ class Transform(WithFields):
     @property
     def faces(self) -> npt.NDArray[Any]:
         """(m, 3): the faces that the transform was made of, read-only."""
+        self._check_mesh()
         return self._made_of[1]  # type: ignore[no-any-return]
 
     @property
     def vertices(self) -> npt.NDArray[Any]:
         """(n, 3): the vertices that the transform was made of, at their present positions, read-only."""
+        self._check_mesh()
         with self._moves:
             first, positions, motion = self._made_of[0], self._positions, self._motion
         if motion is None:
@@ -279,6 +284,10 @@ class Transform(WithFields):
         moved = _core.moved(np.ascontiguousarray(first, np.float64), *motion)
         moved.flags.writeable = False
         return moved
+
+    def _check_mesh(self) -> None:
+        if self._made_of[0] is None:
+            raise Error("a transform made by from_part() has no mesh; ask the one that its bytes are of", "unsupported")
 
     def sample(self, n: int, within: float = 0.0, seed: int | None = None) -> npt.NDArray[np.float64]:
         """Points (n, 3), float64, on the surface, as dense on large faces as on small ones; with `within` each is moved
@@ -816,6 +825,29 @@ class Transform(WithFields):
             part._keep(self._made_of)
             part._positions, part._motion, part._regions = self._positions, self._motion, plain
         return part
+
+    def part_bytes(self) -> bytes:
+        """A restricted transform as bytes, for another process or for later: from_part() makes it again without the mesh
+        and without the work of preparing it. 65 to 70 bytes for each triangle that it keeps, and up to 180 kB beside. Raises clsdf.Error
+        (unsupported) for a whole transform, and for surface='outer'."""
+        return self._body.part_bytes()
+
+    @classmethod
+    def from_part(cls, part: bytes, device: DeviceLike = None, kept_bytes: int | None = None) -> Transform:
+        """The restricted transform that part_bytes() gave, on any device: the same results and refusals. It has no
+        vertices and faces. The bytes are of the same version of clsdf and of this kind of machine; their hash tells
+        damage, not forgery, so read bytes that you trust.
+
+            mine = clsdf.Transform.from_part(comm.scatter(parts))      # mpi4py: the other ranks read no mesh
+
+        Raises clsdf.Error: invalid_argument if the bytes are no part, not whole, damaged or of another version."""
+        if not isinstance(part, bytes):
+            raise Error(f"part: {repr(part)[:100]} is no bytes; pass what part_bytes() gave")
+        made = cls.__new__(cls)
+        made._body = _core.of_part(device_of(device), part, _meshes.kept_bytes_of(kept_bytes))
+        made.mesh_name = made._body.mesh_name
+        made._keep((None, None, made._body.sign, kept_bytes, made._body.floor, "given"))
+        return made
 
     # Plans.
 

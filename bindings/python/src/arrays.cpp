@@ -80,10 +80,10 @@ std::string package_of_constants(nb::handle array) {
 /// An array in memory of CUDA, as its package describes it.
 struct CudaArray {
     bool is_read_only = false;
-    cuda::Pointer address = 0;
+    std::uint64_t address = 0;
     ElementType type = ElementType::automatic;
     std::vector<std::int64_t> shape, strides;  // of bytes
-    cuda::Stream stream = nullptr;
+    void* stream = nullptr;
     std::optional<nb::ndarray<nb::ro>> held{};  // of DLPack: keeps the memory
 };
 
@@ -112,7 +112,7 @@ std::vector<std::int64_t> packed_strides(const std::vector<std::int64_t>& shape,
 CudaArray cuda_array_of(nb::handle array) {
     const auto parts = nb::cast<nb::tuple>(nb::module_::import_("clsdf._cuda").attr("described")(array));
     CudaArray found;
-    found.stream = std::bit_cast<cuda::Stream>(nb::cast<std::uintptr_t>(parts[2]));
+    found.stream = std::bit_cast<void*>(nb::cast<std::uintptr_t>(parts[2]));
     if (parts[0].is_none()) {
         const auto& tensor = found.held.emplace(nb::cast<nb::ndarray<nb::ro>>(parts[1]));
         found.address = std::bit_cast<std::uintptr_t>(tensor.data());
@@ -124,7 +124,7 @@ CudaArray cuda_array_of(nb::handle array) {
         return found;
     }
     const auto interface = nb::cast<nb::dict>(parts[0]);
-    const auto data = nb::cast<std::pair<cuda::Pointer, bool>>(interface["data"]);
+    const auto data = nb::cast<std::pair<std::uint64_t, bool>>(interface["data"]);
     found.address = data.first;
     found.is_read_only = data.second;
     found.type = type_of_interface(nb::cast<std::string>(interface["typestr"]));
@@ -253,63 +253,74 @@ ArrayView Arrays::view_in_cuda(nb::handle array, const std::string& what, bool w
         return view;
     }
     const auto width = static_cast<std::int64_t>(bytes_of(type));
-    cuda::View there;
-    there.address = there.begin = there.end = address;
-    there.is_packed = view.is_packed();
-    there.stream = stream;
-    there.what = what;
-    bool is_aligned = address % static_cast<cuda::Pointer>(width) == 0;
+    std::uint64_t begin = address, end = address;
+    bool is_aligned = address % static_cast<std::uint64_t>(width) == 0;
     for (std::size_t axis = 0; axis < shape.size(); ++axis) {
         const std::int64_t reach = (shape[axis] - 1) * strides[axis];
-        (reach < 0 ? there.begin : there.end) += static_cast<cuda::Pointer>(reach);
+        (reach < 0 ? begin : end) += static_cast<std::uint64_t>(reach);
         is_aligned &= shape[axis] <= 1 || strides[axis] % width == 0;
     }
-    there.end += static_cast<cuda::Pointer>(width);
+    end += static_cast<std::uint64_t>(width);
     if (!is_aligned)
         refuse(what + " has an address or strides that are no multiples of its elements' " + std::to_string(width) +
                " bytes; pass a copy");
-    if (cuda_ == nullptr) cuda_ = std::make_unique<cuda::Arrays>(device_->cuda());
-    view.device = cuda_->add(there, writable);
-    view.in_cuda = there;
+    using cuda::Access;
+    const Access access = !writable ? Access::read : view.is_packed() ? Access::write : Access::update;
+    view.in_cuda = cuda::Array{begin, end - begin, access, stream, what};
+    in_cuda_.push_back(*view.in_cuda);
+    view.device = reinterpret_cast<cl_mem>(&in_cuda_.back());
+    view.offset = address - begin;
     return view;
 }
 
 void Arrays::find_places() {
+    const cuda::SharedDevice device = device_->cuda();
     const nb::gil_scoped_release no_gil;
-    cuda_->place();
+    const std::vector<cuda::Array> all(in_cuda_.begin(), in_cuda_.end());
+    cuda_ = std::make_unique<cuda::Arrays>(device, all);
+}
+
+void Arrays::replace(ArrayLayout& layout, cl_mem& buffer) const {
+    for (std::size_t number = 0; number < in_cuda_.size(); ++number)
+        if (buffer == reinterpret_cast<const _cl_mem*>(&in_cuda_[number])) {
+            const DeviceRange place = (*cuda_)[number];
+            buffer = place.memory;
+            layout.offset += place.offset;
+            return;
+        }
 }
 
 void Arrays::place(std::initializer_list<InputArray*> inputs, std::span<OutputTargets> outputs) {
-    if (cuda_ == nullptr) return;
+    if (in_cuda_.empty()) return;
     find_places();
-    for (InputArray* const input : inputs) cuda_->replace(input->device, input->offset);
+    for (InputArray* const input : inputs) replace(*input, input->device);
     for (OutputTargets& targets : outputs)
         for (const OutputTarget& target : targets.all()) {
             OutputArray& array = targets[target.output];
-            cuda_->replace(array.device, array.offset);
+            replace(array, array.device);
         }
 }
 
 void Arrays::place(std::span<Request> requests) {
-    if (cuda_ == nullptr) return;
+    if (in_cuda_.empty()) return;
     find_places();
     for (Request& request : requests)
         for (const OutputTarget& target : request.targets.all()) {
             OutputArray& array = request.targets[target.output];
-            cuda_->replace(array.device, array.offset);
+            replace(array, array.device);
         }
 }
 
 void Arrays::begin() {
     if (cuda_ == nullptr) return;
     const nb::gil_scoped_release no_gil;
-    cuda_->acquire();
+    cuda_->begin();
 }
 
 void Arrays::end() {
     if (cuda_ == nullptr) return;
     const nb::gil_scoped_release no_gil;
-    cuda_->release();
+    cuda_->end();
 }
 
 InputArray Arrays::triples(nb::handle array, const char* what) {

@@ -1,13 +1,16 @@
 #pragma once
 
 #include "binding.hpp"
-#include "cuda_arrays.hpp"
 #include "devices.hpp"
+
+#include <clsdf/cuda.hpp>
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -28,7 +31,9 @@ struct ArrayView {
     std::size_t offset = 0;  ///< bytes
     std::vector<std::int64_t> shape;
     std::vector<std::int64_t> strides;  ///< bytes
-    cuda::View in_cuda{};               ///< of an array in memory of CUDA; `device` is known after Arrays::place()
+    /// Of an array in memory of CUDA. `device` is known after Arrays::place(), and `offset` is until then that of the
+    /// first element in these bytes.
+    std::optional<cuda::Array> in_cuda{};
 
     bool is_packed() const;  ///< in C order
 };
@@ -37,7 +42,7 @@ struct ArrayView {
 bool is_in_cuda(nb::handle array);
 
 /// The arrays of one call. They are used without a copy, and live until this is destroyed: with the GIL. The buffers of
-/// arrays in memory of CUDA are known after place() or begin().
+/// arrays in memory of CUDA are known after place().
 class Arrays {
 public:
     /// Without a device, arrays in memory of CUDA are refused.
@@ -71,9 +76,11 @@ public:
 
 private:
     void find_places();
+    void replace(ArrayLayout& layout, cl_mem& buffer) const;
     ArrayView view_in_cuda(nb::handle array, const std::string& what, bool writable);
 
     const PyDevice* device_;
+    std::deque<cuda::Array> in_cuda_;  ///< the address of one stands in for its buffer until place()
     std::unique_ptr<cuda::Arrays> cuda_;
     std::vector<nb::ndarray<nb::ro>> held_;
 };

@@ -14,7 +14,12 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstddef>
+#include <initializer_list>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace nb = nanobind;
 
@@ -32,6 +37,20 @@ void add_plans(nb::module_& module);
 void add_shared_arrays(nb::module_& module);
 void add_files(nb::module_& module);
 void add_sparse_fields(nb::module_& module);
+
+/// The owner of an array's memory, which deletes it with the last array.
+template <typename Memory>
+nb::capsule owner_of(std::unique_ptr<Memory> memory) {
+    return {memory.release(), [](void* own) noexcept { delete static_cast<Memory*>(own); }};
+}
+
+/// An array in the memory of a vector, which it takes.
+template <typename Array, typename Item>
+Array array_in(std::vector<Item> items, std::initializer_list<std::size_t> shape) {
+    auto memory = std::make_unique<std::vector<Item>>(std::move(items));
+    void* const data = memory->data();
+    return Array(data, shape, owner_of(std::move(memory)));
+}
 
 /// Error(invalid_argument) with this message.
 [[noreturn]] void refuse(const std::string& message);

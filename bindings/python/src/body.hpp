@@ -111,9 +111,7 @@ Places classify(const OnDevice<Object>& object, const Boxes& boxes, double half_
     });
     auto* const data = reinterpret_cast<std::uint8_t*>(places->data());
     const std::size_t count = places->size();
-    const nb::capsule owner(places.release(),
-                            [](void* own) noexcept { delete static_cast<std::vector<BoxPlace>*>(own); });
-    return Places(data, {count}, owner);
+    return Places(data, {count}, owner_of(std::move(places)));
 }
 
 /// A list of (grid, band, {output: array}).

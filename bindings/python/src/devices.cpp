@@ -200,8 +200,8 @@ void add_devices(nb::module_& module) {
         .def(
             "_has_semaphores",
             [](const PyDevice& device) {
-                const std::shared_ptr<cuda::Link> link = device.cuda();
-                return without_gil([&] { return link->has_semaphores(); });
+                const cuda::SharedDevice shared = device.cuda();
+                return without_gil([&] { return shared.has_semaphores(); });
             },
             "For tests: whether the driver shares semaphores with CUDA.")
         .def("__repr__", [](const PyDevice& device) {

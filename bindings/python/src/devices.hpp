@@ -1,10 +1,13 @@
 #pragma once
 
 #include "binding.hpp"
-#include "cuda_memory.hpp"
+
+#include <clsdf/cuda.hpp>
 
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <utility>
 
 namespace clsdf::python {
 
@@ -34,24 +37,24 @@ public:
 
     /// The same device of CUDA, opened at the first call. With the GIL, which is released. Throws Error(no_device),
     /// Error(unsupported).
-    std::shared_ptr<cuda::Link> cuda() const {
+    cuda::SharedDevice cuda() const {
         const Device& device = get();
         const nb::gil_scoped_release no_gil;
         const std::scoped_lock lock(state_->mutex);
-        if (state_->cuda == nullptr) state_->cuda = std::make_shared<cuda::Link>(device);
-        return state_->cuda;
+        if (!state_->cuda.has_value()) state_->cuda.emplace(device);
+        return *state_->cuda;
     }
     /// Gives back what the device keeps for later calls. Returns the bytes. Without the GIL.
     std::size_t release_memory() const {
         const std::scoped_lock lock(state_->mutex);
-        return get().release_memory() + (state_->cuda == nullptr ? 0 : state_->cuda->release_memory());
+        return get().release_memory() + (!state_->cuda.has_value() ? 0 : state_->cuda->release_memory());
     }
 
 private:
     struct State {
         Device device;
         std::mutex mutex{};
-        std::shared_ptr<cuda::Link> cuda{};
+        std::optional<cuda::SharedDevice> cuda{};
     };
     std::shared_ptr<State> state_;
 };

@@ -63,7 +63,7 @@ nb::tuple read(const std::string& path) {
         field = std::make_unique<Field>(read_field(path));
     }
     Field& own = *field;
-    const nb::capsule owner(field.release(), [](void* read) noexcept { delete static_cast<Field*>(read); });
+    const nb::capsule owner = owner_of(std::move(field));
     nb::dict arrays;
     for (const OutputInfo& info : output_table()) {
         const auto bytes = own.bytes(info.output);
@@ -106,6 +106,14 @@ void finish(FieldWriter& writer) {
     writer.finish();
 }
 
+void write_amr(const std::string& path, const std::vector<std::pair<Grid, ArraysByName>>& boxes) {
+    HeldArrays held;
+    std::vector<CellBox> views;
+    for (const auto& [grid, arrays] : boxes) views.push_back({grid, slab_of(arrays, "write_overlapping_amr", held)});
+    const nb::gil_scoped_release no_gil;
+    write_overlapping_amr(views, path);
+}
+
 }  // namespace
 
 void add_files(nb::module_& module) {
@@ -119,6 +127,7 @@ void add_files(nb::module_& module) {
                nb::arg("mesh_name"), nb::arg("outputs"), nb::arg("positive_inside") = false,
                nb::arg("group_names") = std::vector<std::string>(), nb::arg("group_numbers") = nb::none(),
                nb::arg("floor") = nb::none());
+    module.def("write_overlapping_amr", &write_amr, nb::arg("path"), nb::arg("boxes"));
     module.def(
         "check_field_path", [](const std::string& path) { check_field_path(path); }, nb::arg("path"),
         "Raises the error that writing to the path would raise for its ending or its folder.");

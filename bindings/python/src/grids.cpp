@@ -87,15 +87,14 @@ std::array<nb::object, Count> arguments_of(const char* call, const std::array<co
 // The positions of all samples, (nz, ny, nx, 3).
 auto positions_of(const Grid& grid) {
     const auto samples = static_cast<std::size_t>(grid.size[0] * grid.size[1] * grid.size[2]);
-    auto memory = std::make_unique<std::vector<Vec3>>(samples);
+    std::vector<Vec3> positions(samples);
     std::size_t at = 0;
     for (std::int64_t k = 0; k < grid.size[2]; ++k)
         for (std::int64_t j = 0; j < grid.size[1]; ++j)
-            for (std::int64_t i = 0; i < grid.size[0]; ++i) (*memory)[at++] = grid.position(i, j, k);
-    auto* const data = reinterpret_cast<double*>(memory->data());
-    const nb::capsule owner(memory.release(), [](void* own) noexcept { delete static_cast<std::vector<Vec3>*>(own); });
+            for (std::int64_t i = 0; i < grid.size[0]; ++i) positions[at++] = grid.position(i, j, k);
     const auto side = [&](std::size_t axis) { return static_cast<std::size_t>(grid.size[axis]); };
-    return nb::ndarray<nb::numpy, double, nb::shape<-1, -1, -1, 3>>(data, {side(2), side(1), side(0), 3}, owner);
+    return array_in<nb::ndarray<nb::numpy, double, nb::shape<-1, -1, -1, 3>>>(std::move(positions),
+                                                                              {side(2), side(1), side(0), 3});
 }
 
 Grid checked(const Vec3& origin, const Vec3& spacing, const Index3& size, const Index3& first) {

@@ -33,18 +33,12 @@ nb::object box_of(std::vector<Value>& items, const Index3& size, const nb::capsu
         owner));
 }
 
-template <typename Result>
-nb::capsule owner_of(std::unique_ptr<Result>& own) {
-    return {own.release(), [](void* made) noexcept { delete static_cast<Result*>(made); }};
-}
-
 /// q, as floats if these are asked for.
 nb::object parts_of(std::vector<double>& q, bool in_floats, const nb::capsule& owner) {
     if (!in_floats) return rows_of<double>(q, owner);
-    auto own = std::make_unique<std::vector<float>>(q.size());
-    std::vector<float>& floats = *own;
+    std::vector<float> floats(q.size());
     std::ranges::transform(q, floats.begin(), as_float_part);
-    return rows_of<float>(floats, owner_of(own));
+    return nb::cast(array_in<nb::ndarray<nb::numpy, float, nb::ndim<1>>>(std::move(floats), {q.size()}));
 }
 
 nb::tuple links(const Body& body, const Grid& grid, const Directions& directions, bool of_faces, bool with_between,
@@ -55,7 +49,7 @@ nb::tuple links(const Body& body, const Grid& grid, const Directions& directions
     auto own = std::make_unique<Links>(body.read(
         [&](const DistanceTransform& transform) { return transform.links(grid, all, options, call.options()); }));
     Links& links = *own;
-    const nb::capsule owner = owner_of(own);
+    const nb::capsule owner = owner_of(std::move(own));
     auto* const flags = reinterpret_cast<std::uint8_t*>(links.flags.data());
     return nb::make_tuple(triples_of(links.samples, owner), rows_of<std::uint8_t>(links.directions, owner),
                           parts_of(links.q, in_floats, owner), rows_of<std::uint32_t>(links.triangles, owner),
@@ -80,7 +74,7 @@ nb::tuple crossings(const Body& body, const Grid& grid, bool with_counts, nb::ob
         return transform.crossings(grid, {.with_counts = with_counts}, call.options());
     }));
     Crossings& crossings = *own;
-    const nb::capsule owner = owner_of(own);
+    const nb::capsule owner = owner_of(std::move(own));
     nb::list axes;
     for (EdgeCrossings& edges : crossings.axes)
         axes.append(nb::make_tuple(box_of(edges.coordinates, edges.size, owner),
@@ -92,7 +86,7 @@ nb::tuple crossings(const Body& body, const Grid& grid, bool with_counts, nb::ob
 nb::object stencil_of(const std::string& name, const std::string& code) {
     auto own = std::make_unique<std::vector<LinkDirection>>(stencil(name, code));
     std::vector<LinkDirection>& directions = *own;
-    return triples_of(directions, owner_of(own));
+    return triples_of(directions, owner_of(std::move(own)));
 }
 
 }  // namespace

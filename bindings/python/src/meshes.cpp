@@ -27,11 +27,7 @@ namespace {
 // A NumPy array (n, 3) that owns a copy.
 template <typename Value, typename Triples>
 auto array_of(const Triples& triples) {
-    auto memory = std::make_unique<Triples>(triples);
-    auto* const data = reinterpret_cast<Value*>(memory->data());
-    const std::size_t rows = memory->size();
-    const nb::capsule owner(memory.release(), [](void* array) noexcept { delete static_cast<Triples*>(array); });
-    return nb::ndarray<nb::numpy, Value, nb::shape<-1, 3>>(data, {rows, 3}, owner);
+    return array_in<nb::ndarray<nb::numpy, Value, nb::shape<-1, 3>>>(triples, {triples.size(), 3});
 }
 
 auto arrays_of(const Mesh& mesh) {
@@ -44,11 +40,8 @@ nb::tuple groups_of(const Mesh& mesh) {
     for (const std::string& name : mesh.groups().names)
         names.append(nb::steal(PyUnicode_DecodeUTF8(name.data(), static_cast<Py_ssize_t>(name.size()), "replace")));
     const std::vector<std::uint32_t>& from = mesh.groups().numbers;
-    auto memory = std::make_unique<std::vector<std::int32_t>>(from.begin(), from.end());
-    auto* const data = memory->data();
-    const nb::capsule owner(memory.release(),
-                            [](void* array) noexcept { delete static_cast<std::vector<std::int32_t>*>(array); });
-    return nb::make_tuple(names, nb::ndarray<nb::numpy, std::int32_t, nb::shape<-1>>(data, {from.size()}, owner));
+    return nb::make_tuple(names, array_in<nb::ndarray<nb::numpy, std::int32_t, nb::shape<-1>>>(
+                                     std::vector<std::int32_t>(from.begin(), from.end()), {from.size()}));
 }
 
 Mesh read(const std::vector<std::string>& paths, const ReadOptions& options) {
@@ -88,14 +81,10 @@ auto outer_of(nb::handle vertices, nb::handle faces, const std::string& sign) {
     const Call call;
     auto surface = with_mesh(vertices, faces, [&](const Mesh& mesh) { return outer(mesh, rule, call.options()); });
     const std::size_t count = surface.faces.size();
-    auto memory = std::make_unique<std::vector<std::uint32_t>>(std::move(surface.faces));
-    auto* const data = memory->data();
-    const nb::capsule owner(memory.release(),
-                            [](void* array) noexcept { delete static_cast<std::vector<std::uint32_t>*>(array); });
+    auto faces_of = array_in<nb::ndarray<nb::numpy, std::uint32_t, nb::shape<-1>>>(std::move(surface.faces), {count});
     const auto [own_vertices, own_faces] = arrays_of(surface.mesh);
-    return nb::make_tuple(
-        own_vertices, own_faces, nb::ndarray<nb::numpy, std::uint32_t, nb::shape<-1>>(data, {count}, owner),
-        surface.whole_faces, surface.partial_faces, surface.hidden_faces, surface.volume, surface.area);
+    return nb::make_tuple(own_vertices, own_faces, faces_of, surface.whole_faces, surface.partial_faces,
+                          surface.hidden_faces, surface.volume, surface.area);
 }
 
 // A NumPy array that owns its values: of each cell so many, which values(cell, n) tells.
@@ -112,18 +101,12 @@ nb::object column(const std::vector<CellFraction>& cells, const std::vector<std:
     for (const CellFraction& cell : cells)
         for (std::size_t n = 0; n < per_cell; ++n) memory->push_back(static_cast<Value>(values(cell, n)));
     auto* const data = memory->data();
-    const nb::capsule owner(memory.release(),
-                            [](void* array) noexcept { delete static_cast<std::vector<Value>*>(array); });
-    return nb::cast(nb::ndarray<nb::numpy, Value>(data, shape.size(), shape.data(), owner));
+    return nb::cast(nb::ndarray<nb::numpy, Value>(data, shape.size(), shape.data(), owner_of(std::move(memory))));
 }
 
 nb::tuple tuple_of(Fractions& found) {
     const std::vector<CellFraction>& cells = found.cells;
-    auto memory = std::make_unique<std::vector<std::uint8_t>>(std::move(found.full));
-    auto* const data = memory->data();
-    const std::size_t bytes = memory->size();
-    const nb::capsule owner(memory.release(),
-                            [](void* array) noexcept { delete static_cast<std::vector<std::uint8_t>*>(array); });
+    const std::size_t bytes = found.full.size();
     using Cell = CellFraction;
     return nb::make_tuple(
         column<std::int32_t>(cells, {3}, [](const Cell& cell, std::size_t n) { return cell.cell[n]; }),
@@ -136,7 +119,7 @@ nb::tuple tuple_of(Fractions& found) {
         column<double>(cells, {6}, [](const Cell& cell, std::size_t n) { return cell.face_fractions[n]; }),
         column<double>(cells, {6, 2},
                        [](const Cell& cell, std::size_t n) { return cell.face_centroids[n / 2][n % 2]; }),
-        nb::ndarray<nb::numpy, std::uint8_t, nb::shape<-1>>(data, {bytes}, owner));
+        array_in<nb::ndarray<nb::numpy, std::uint8_t, nb::shape<-1>>>(std::move(found.full), {bytes}));
 }
 
 /// "" stands for the convention's.

@@ -1,5 +1,8 @@
 #include "body.hpp"
 
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -110,15 +113,32 @@ PyPlan plan_of_requests(const Body& body, const RequestList& requests, nb::objec
 }
 
 /// The streams on which the packages of the requests' arrays work now. With the GIL.
-std::vector<cuda::Stream> streams_of(const RequestList& requests) {
+std::vector<void*> streams_of(const RequestList& requests) {
     const nb::object stream_of = nb::module_::import_("clsdf._cuda").attr("stream_of");
-    std::vector<cuda::Stream> streams;
+    std::vector<void*> streams;
     for (const nb::handle request : requests)
         for (const nb::handle array : nb::cast<nb::dict>(request[2]).values())
-            if (is_in_cuda(array))
-                streams.push_back(std::bit_cast<cuda::Stream>(nb::cast<std::uintptr_t>(stream_of(array))));
+            if (is_in_cuda(array)) streams.push_back(std::bit_cast<void*>(nb::cast<std::uintptr_t>(stream_of(array))));
     return streams;
 }
+
+/// An event of OpenCL, or none.
+class ClEvent {
+public:
+    ClEvent() = default;
+    ClEvent(const ClEvent&) = delete;
+    ClEvent& operator=(const ClEvent&) = delete;
+    ~ClEvent() {
+        if (event_ != nullptr) clReleaseEvent(event_);
+    }
+
+    cl_event* put() { return &event_; }
+    cl_event get() const { return event_; }
+    cl_event release() { return std::exchange(event_, nullptr); }
+
+private:
+    cl_event event_ = nullptr;
+};
 
 cl_command_queue handle_of(nb::handle queue) {
     return queue.is_none() ? nullptr : std::bit_cast<cl_command_queue>(nb::cast<std::uintptr_t>(queue.attr("int_ptr")));
@@ -127,16 +147,15 @@ cl_command_queue handle_of(nb::handle queue) {
 /// run(events, event of the end), after the streams of arrays in memory of CUDA, which wait for it. `shared`: of these
 /// arrays; null: there are none. Returns whether there are some.
 template <typename Run>
-bool run_after_streams(cuda::Arrays* shared, cl_command_queue queue, const std::vector<cl_event>& events,
-                       cuda::ClEvent& done, const Run& run) {
+bool run_after_streams(cuda::Arrays* shared, cl_command_queue queue, const std::vector<cl_event>& events, ClEvent& done,
+                       const Run& run) {
     if (shared == nullptr) {
         run(events);
         return false;
     }
     try {
-        const cuda::ClEvent acquired = shared->acquire(queue, events);
-        run(acquired.list());
-        shared->release(done.list());
+        run(shared->begin(queue, events));
+        shared->end(done.get());
     } catch (...) {
         shared->abandon();
         throw;
@@ -166,7 +185,7 @@ std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional
         arrays.place({}, targets);
     }
     const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
-    cuda::ClEvent done;
+    ClEvent done;
     const bool is_of_cuda = plan.use([&](Plan& of) {
         cuda::Arrays* const shared = outputs.has_value() ? of_call.get() : plan.requests().cuda.get();
         if (shared != nullptr && !outputs.has_value()) {
@@ -287,7 +306,7 @@ std::uintptr_t enqueue_sparse(const PySparsePlan& plan, nb::handle queue, const 
                                  {of_inside.device, of_inside.offset},
                                  targets.front()};
     const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
-    cuda::ClEvent done;
+    ClEvent done;
     const bool is_of_cuda = plan.use([&](SparsePlan& of) {
         return run_after_streams(of_call.get(), own, events, done,
                                  [&](std::span<const cl_event> before) { of.enqueue(own, to, before, done.put()); });
@@ -336,7 +355,7 @@ std::uintptr_t enqueue_points(const PyPointPlan& plan, nb::handle queue, nb::han
     if (!status.is_none()) targets[1] = arrays.output(status, info_of(Output::site), shape);
     arrays.place({&asked}, targets);
     const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
-    cuda::ClEvent done;
+    ClEvent done;
     const bool is_of_cuda = plan.use([&](PointPlan& of) {
         return run_after_streams(of_call.get(), own, events, done, [&](std::span<const cl_event> before) {
             of.enqueue(own, asked, targets[0], before, done.put(), targets[1][Output::distance]);
@@ -413,7 +432,7 @@ std::uintptr_t enqueue_links(const PyLinkPlan& plan, nb::handle queue, const Arr
     }
     const DeviceRange count{of_count.device, of_count.offset};
     const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
-    cuda::ClEvent done;
+    ClEvent done;
     const bool is_of_cuda = plan.use([&](LinkPlan& of) {
         return run_after_streams(of_call.get(), own, events, done, [&](std::span<const cl_event> before) {
             of.enqueue(own, targets, count, before, done.put());

@@ -37,7 +37,7 @@ nb::object array_of(const Items& items, std::size_t columns, const nb::capsule& 
 nb::tuple arrays_of(SparseField computed) {
     auto own = std::make_unique<SparseField>(std::move(computed));
     SparseField& field = *own;
-    const nb::capsule owner(own.release(), [](void* made) noexcept { delete static_cast<SparseField*>(made); });
+    const nb::capsule owner = owner_of(std::move(own));
     nb::object bricks = nb::none(), inside = nb::none();
     if (!field.bricks.empty()) bricks = array_of<std::int64_t>(field.bricks, 3, owner);
     if (!field.inside.empty()) inside = array_of<std::int64_t>(field.inside, 4, owner);
@@ -127,11 +127,8 @@ nb::object read(const std::string& path) {
 }
 
 auto vector_of(std::unique_ptr<std::vector<std::int64_t>> own) {
-    std::int64_t* const data = own->data();
     const std::size_t count = own->size();
-    const nb::capsule owner(own.release(),
-                            [](void* made) noexcept { delete static_cast<std::vector<std::int64_t>*>(made); });
-    return nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>>(data, {count}, owner);
+    return array_in<nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>>>(std::move(*own), {count});
 }
 
 auto find(const Bricks& bricks, const Samples& samples) {

@@ -156,6 +156,19 @@ Body restrict_to(const Body& body, const std::vector<std::tuple<Vec3, Vec3, doub
     return Body(body.device(), body.read([&](const DistanceTransform& whole) { return whole.restrict_to(all); }));
 }
 
+nb::bytes part_bytes(const Body& body) {
+    const std::vector<std::byte> bytes =
+        body.read([](const DistanceTransform& transform) { return transform.part_bytes(); });
+    return nb::bytes(bytes.data(), bytes.size());
+}
+
+Body of_part(const PyDevice& device, const nb::bytes& part, std::optional<std::size_t> kept_bytes) {
+    check_process();
+    const std::span bytes(static_cast<const std::byte*>(part.data()), part.size());
+    const nb::gil_scoped_release no_gil;
+    return Body(device, DistanceTransform::from_part(device.get(), bytes, kept_bytes));
+}
+
 void set_positions(Body& body, nb::handle positions, nb::handle wait_for) {
     Arrays arrays(&body.device());
     InputArray vertices = arrays.triples(positions, "positions");
@@ -182,17 +195,14 @@ Matrix rotation_near(const Matrix& matrix) {
 // The positions R x + t, with the roundings of DistanceTransform::set_motion().
 auto moved(nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu> first, const Matrix& r,
            const Vec3& t) {
-    auto positions = std::make_unique<std::vector<Vec3>>(first.shape(0));
-    for (std::size_t i = 0; i < positions->size(); ++i) {
+    std::vector<Vec3> positions(first.shape(0));
+    for (std::size_t i = 0; i < positions.size(); ++i) {
         const double* const x = first.data() + 3 * i;
         for (std::size_t a = 0; a < 3; ++a)
-            (*positions)[i][a] = std::fma(r[a][0], x[0], std::fma(r[a][1], x[1], std::fma(r[a][2], x[2], t[a])));
+            positions[i][a] = std::fma(r[a][0], x[0], std::fma(r[a][1], x[1], std::fma(r[a][2], x[2], t[a])));
     }
-    auto* const data = reinterpret_cast<double*>(positions->data());
-    const std::size_t rows = positions->size();
-    const nb::capsule owner(positions.release(),
-                            [](void* own) noexcept { delete static_cast<std::vector<Vec3>*>(own); });
-    return nb::ndarray<nb::numpy, double, nb::shape<-1, 3>>(data, {rows, 3}, owner);
+    const std::size_t rows = positions.size();
+    return array_in<nb::ndarray<nb::numpy, double, nb::shape<-1, 3>>>(std::move(positions), {rows, 3});
 }
 
 bool compile(const Body& body, const Grid& grid, const Band& band, const std::vector<std::string>& outputs,
@@ -260,6 +270,7 @@ void add_transforms(nb::module_& module) {
              nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
         .def("classify", &classify<DistanceTransform>, nb::arg("boxes"), nb::arg("half_width"))
         .def("restrict_to", &restrict_to, nb::arg("regions"))
+        .def("part_bytes", &part_bytes)
         .def("set_positions", &set_positions, nb::arg("positions"), nb::arg("wait_for").none())
         .def("set_motion", &set_motion, nb::arg("rotation"), nb::arg("translation"))
         .def("compile", &compile, nb::arg("grid"), nb::arg("band"), nb::arg("outputs"), nb::arg("progress").none())
@@ -277,6 +288,13 @@ void add_transforms(nb::module_& module) {
                          return std::string(
                              name_of(body.read([](const DistanceTransform& transform) { return transform.sign(); })));
                      })
+        .def_prop_ro(
+            "floor",
+            [](const Body& body) { return body.read([](const DistanceTransform& whole) { return whole.floor(); }); })
+        .def_prop_ro("mesh_name",
+                     [](const Body& body) {
+                         return body.read([](const DistanceTransform& whole) { return whole.mesh_name(); });
+                     })
         .def_prop_ro("memory",
                      [](const Body& body) {
                          const KeptMemory kept =
@@ -292,6 +310,7 @@ void add_transforms(nb::module_& module) {
         .def_prop_ro("device", [](const Body& body) { return body.device(); });
     module.def("make_body", &make, nb::arg("device"), nb::arg("vertices"), nb::arg("faces"), nb::arg("sign"),
                nb::arg("kept_bytes").none(), nb::arg("floor").none() = nb::none(), nb::arg("is_outer") = false);
+    module.def("of_part", &of_part, nb::arg("device"), nb::arg("part"), nb::arg("kept_bytes").none());
     module.def("rotation_near", &rotation_near, nb::arg("matrix"), "The rotation that was rounded to floats.");
     module.def("moved", &moved, nb::arg("first"), nb::arg("rotation"), nb::arg("translation"),
                "The positions rotation @ x + translation, as a transform has them.");

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 import warnings
 
@@ -550,6 +551,27 @@ def test_a_part_of_the_domain_has_the_bytes_of_the_whole(body, points):
     assert np.array_equal(part.query(inside, within=0.2).distance, body.query(inside, within=0.2).distance)
     with pytest.raises(clsdf.Error, match="region"):
         part.query([[-1, 0, 0]], within=0.2)
+
+
+def test_a_part_travels_as_bytes(body, points):
+    part = body.restrict_to(clsdf.Region((0, -1, -1), (1.5, 1, 1), half_width=0.2, spacing=0.1))
+    inside = points[(points[:, 0] > 0) & (np.abs(points[:, 1:]) < 1).all(1)]
+    data = part.part_bytes()
+    read = clsdf.Transform.from_part(data, body.device)
+    expected = part.query(inside, within=0.2)
+    for again in (read, copy.copy(read), pickle.loads(pickle.dumps(read))):
+        assert np.array_equal(again.query(inside, within=0.2).distance, expected.distance)
+        assert again.sign == part.sign and again.topology.closed and np.array_equal(again.box, body.box)
+        assert again.part_bytes() == data
+    with pytest.raises(clsdf.Error, match="restrict it first") as error:
+        body.part_bytes()
+    assert error.value.code == "unsupported"
+    with pytest.raises(clsdf.Error, match="were changed"):
+        clsdf.Transform.from_part(data[:-1] + bytes([data[-1] ^ 1]))
+    with pytest.raises(clsdf.Error, match="is no bytes"):
+        clsdf.Transform.from_part(np.zeros(3))
+    with pytest.raises(clsdf.Error, match="has no mesh"):
+        read.vertices
 
 
 def test_what_a_transform_says_of_itself(body, solid):

@@ -120,3 +120,38 @@ def test_what_sdf_does_not_record_is_told(body, tmp_path):
         warnings.simplefilter("error")
         clsdf.write_field(body.field(grid, band="full"), path)
         clsdf.write_field(field, tmp_path / "field.nrrd")
+
+
+def test_vtk_shows_refined_levels_where_they_are(body, tmp_path):
+    vtk = pytest.importorskip("vtk")
+    to_numpy = pytest.importorskip("vtk.util.numpy_support").vtk_to_numpy
+    if not hasattr(vtk.vtkHDFReader, "SetMaximumLevelsToReadByDefaultForAMR"):
+        pytest.skip("this VTK reads no refined levels")
+    lower = np.array(body.bounds).reshape(2, 3)[0]
+    side = float(np.ptp(np.array(body.bounds).reshape(2, 3), axis=0).max()) / 8
+    coarse = clsdf.Grid(lower + side / 2, side, (8, 8, 8))
+    # The finer cells lie in the coarse cells from (2, 4, 0) on.
+    fine = clsdf.Grid(lower + side * np.array([2, 4, 0]) + side / 4, side / 2, (4, 6, 2))
+    fields = body.fields([fine, coarse], band="100%", outputs="distance closest")
+    path = tmp_path / "levels.vtkhdf"
+    clsdf.write_overlapping_amr(fields, path)
+    reader = vtk.vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.SetMaximumLevelsToReadByDefaultForAMR(0)
+    reader.Update()
+    levels = reader.GetOutputDataObject(0)
+    assert levels.IsA("vtkOverlappingAMR") and levels.GetNumberOfLevels() == 2
+    for level, field in enumerate(reversed(fields)):
+        image = levels.GetDataSetAsImageData(level, 0)
+        bounds = np.reshape(image.GetBounds(), (3, 2))
+        first = np.array(field.grid.origin) - np.array(field.grid.spacing) / 2
+        assert np.allclose(bounds[:, 0], first)
+        assert np.allclose(bounds[:, 1], first + np.array(field.grid.spacing) * field.grid.size)
+        for name in field.outputs:
+            found = to_numpy(image.GetCellData().GetArray(name))
+            assert np.array_equal(found.ravel(), field.arrays[name].ravel())
+    hidden = to_numpy(levels.GetDataSetAsImageData(0, 0).GetCellData().GetArray("vtkGhostType"))
+    assert np.count_nonzero(hidden) == 2 * 3 * 1
+    with pytest.raises(clsdf.Error, match="box 0 of a refined mesh: .* is no whole part"):
+        third = clsdf.Grid(lower + side / 2, side * 0.7, (2, 2, 2))
+        clsdf.write_overlapping_amr([body.field(third, band="100%"), body.field(coarse, band="100%")], path)

@@ -111,9 +111,10 @@ HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::
     topology_.set(std::move(topology), nullptr);
 }
 
-HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, MeshPart part)
-    : HomedMesh(all, tools, std::move(part.mesh), std::move(part.topology)) {
-    frusta_.set(share(std::move(part.frusta)), nullptr);
+HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology,
+                     Frusta frusta)
+    : HomedMesh(all, tools, std::move(mesh), std::move(topology)) {
+    frusta_.set(share(std::move(frusta)), nullptr);
 }
 
 const HomedMesh::FirstMesh& HomedMesh::first() {

@@ -47,7 +47,8 @@ public:
     /// The host has made the topology, with faces in an order of its own.
     HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology);
     /// A part of a mesh, which does not move. Its frusta are on the host.
-    HomedMesh(KeptValues& all, const DeviceTools& tools, MeshPart part);
+    HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology,
+              Frusta frusta);
     HomedMesh(const HomedMesh&) = delete;
     HomedMesh& operator=(const HomedMesh&) = delete;
 

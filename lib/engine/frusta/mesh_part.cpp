@@ -4,6 +4,7 @@
 #include "mesh/moved_mesh.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace clsdf::engine {
@@ -38,21 +39,47 @@ UninitializedVector<std::uint32_t> places_in(const std::vector<std::uint32_t>& l
 }
 
 /// The part may lack faces of an edge. The edge stays non-manifold: records need the mark.
-void keep_non_manifold(const PairedEdges& whole, const std::vector<std::uint32_t>& faces, MeshTopology& part) {
-    if (whole.non_manifold_ends.empty()) return;
+void keep_non_manifold(std::span<const std::uint32_t> edges, MeshTopology& part) {
+    if (edges.empty()) return;
     std::vector<std::uint32_t>& ends = part.edges.non_manifold_ends;
-    for (std::size_t i = 0; i < faces.size(); ++i)
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            if (!has_mark(whole.faces, {faces[i], k}, edge_non_manifold)) continue;
-            part.edges.faces[i].marks[k] |= edge_non_manifold;
-            const Triangle& triangle = part.faces.triangles[i];
-            ends.push_back(std::min(triangle[k], triangle[next_of_three(k)]));
-        }
+    for (const std::uint32_t edge : edges) {
+        const std::uint32_t face = edge / 3, k = edge % 3;
+        part.edges.faces[face].marks[k] |= edge_non_manifold;
+        const Triangle& triangle = part.faces.triangles[face];
+        ends.push_back(std::min(triangle[k], triangle[next_of_three(k)]));
+    }
     std::sort(ends.begin(), ends.end());
     ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
 }
 
+/// The non-manifold edges of these faces of a mesh, which are numbered by their places in the list.
+std::vector<std::uint32_t> non_manifold_edges(const PairedEdges& edges, std::span<const std::uint32_t> faces) {
+    std::vector<std::uint32_t> found;
+    if (edges.non_manifold_ends.empty()) return found;
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        for (std::uint32_t k = 0; k < 3; ++k)
+            if (has_mark(edges.faces, {faces[i], k}, edge_non_manifold))
+                found.push_back(static_cast<std::uint32_t>(3 * i) + k);
+    return found;
+}
+
 }  // namespace
+
+std::vector<std::uint32_t> non_manifold_edges(const MeshTopology& topology) {
+    std::vector<std::uint32_t> all(topology.order.size());
+    std::iota(all.begin(), all.end(), 0U);
+    return non_manifold_edges(topology.edges, all);
+}
+
+MeshPart make_part(Mesh mesh, const Box& box, SignSurface surface, std::vector<std::uint32_t> triangles,
+                   UninitializedVector<std::uint32_t> order, std::span<const std::uint32_t> non_manifold) {
+    MeshPart part{with_box(std::move(mesh), box), std::move(surface), std::move(triangles), nullptr, {}};
+    auto made = std::make_shared<MeshTopology>(part.mesh, std::move(order));
+    keep_non_manifold(non_manifold, *made);
+    part.topology = std::move(made);
+    part.frusta.positions = ordered_positions(*part.topology, part.mesh.vertices());
+    return part;
+}
 
 MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopology& topology, const Frusta& frusta,
                  const NearRecords& near) {
@@ -86,24 +113,15 @@ MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopolog
     if (!surface.faces.empty())
         for (const std::uint32_t triangle : triangles) of_surface.faces.push_back(surface.faces[triangle]);
 
-    MeshPart part{Mesh(std::move(positions), std::move(of_part), mesh.name()),
-                  std::move(of_surface),
-                  std::move(triangles),
-                  nullptr,
-                  {}};
-    part.mesh = with_box(std::move(part.mesh), mesh.box());
-    auto made = std::make_shared<MeshTopology>(part.mesh, std::move(order));
-    keep_non_manifold(topology.edges, faces, *made);
-    part.topology = std::move(made);
+    MeshPart part =
+        make_part(Mesh(std::move(positions), std::move(of_part), mesh.name()), mesh.box(), std::move(of_surface),
+                  std::move(triangles), std::move(order), non_manifold_edges(topology.edges, faces));
     const OrderedFaces& ordered = part.topology->faces;
+    UninitializedVector<std::uint32_t> numbers(part.mesh.vertices().size());  // of the part's vertices, in its topology
+    for_each_index(ordered.vertices.size(),
+                   [&](std::size_t i) { numbers[ordered.vertices[i]] = static_cast<std::uint32_t>(i); });
 
     Frusta& result = part.frusta;
-    result.positions.resize(ordered.vertices.size());
-    UninitializedVector<std::uint32_t> numbers(part.mesh.vertices().size());  // of the part's vertices, in its topology
-    for_each_index(ordered.vertices.size(), [&](std::size_t i) {
-        result.positions[i] = part.mesh.vertices()[ordered.vertices[i]];
-        numbers[ordered.vertices[i]] = static_cast<std::uint32_t>(i);
-    });
     result.slopes.resize(faces.size());
     for_each_index(faces.size(), [&](std::size_t i) { result.slopes[i] = frusta.slopes[faces[i]]; });
     const auto face_place = [&](std::uint32_t face) { return std::lower_bound(faces.begin(), faces.end(), face); };

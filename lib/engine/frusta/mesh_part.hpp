@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace clsdf::engine {
@@ -21,6 +22,14 @@ struct MeshPart {
     std::shared_ptr<const MeshTopology> topology;
     Frusta frusta;
 };
+
+/// A part with its topology and its vertices' positions in that, and without the other members of its frusta. order: of
+/// its triangles, as in MeshTopology. non_manifold: edges of ordered faces, 3 face + edge, that have three faces or
+/// more in the whole mesh. box: of the whole mesh.
+MeshPart make_part(Mesh mesh, const Box& box, SignSurface surface, std::vector<std::uint32_t> triangles,
+                   UninitializedVector<std::uint32_t> order, std::span<const std::uint32_t> non_manifold);
+/// The edges that a part has to be made again with.
+std::vector<std::uint32_t> non_manifold_edges(const MeshTopology& topology);
 
 /// Whole clusters of faces (ClusterIndex) and whole groups of point sites, so that clusters and groups of the part are
 /// those of the whole. Ranges of faces may overlap; those of the point sites' vertices are added. `mesh`: with its

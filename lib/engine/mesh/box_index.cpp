@@ -1,7 +1,10 @@
 #include "mesh/box_index.hpp"
 
+#include "core/parallel.hpp"
+
+#include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstddef>
 
 namespace clsdf {
 
@@ -13,40 +16,51 @@ Box widened(Box box, double margin) {
     return box;
 }
 
-BoxIndex::BoxIndex(std::span<const Box> boxes) : boxes_(boxes.begin(), boxes.end()), order_(boxes.size()) {
+BoxIndex::BoxIndex(std::span<const Box> boxes) : boxes_(boxes.size()), order_(boxes.size()) {
     if (boxes.empty()) return;
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    nodes_.emplace_back();
-    divide(0, 0, boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) boxes_[i] = boxes[order_[i]];
+    std::vector<Key> keys(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) keys[i].index = i;
+    // Halves of a node differ by one box at most.
+    std::size_t levels = 1;
+    while (chunk_count(boxes.size(), std::size_t{1} << (levels - 1)) > most_in_leaf) ++levels;
+    nodes_.resize((std::size_t{1} << levels) - 1);
+    nodes_[0].end = boxes.size();
+    for (std::size_t level = 0; level < levels; ++level) {
+        const std::size_t first = (std::size_t{1} << level) - 1, boxes_each = boxes.size() >> level;
+        for_each_index(
+            first + 1, [&](std::size_t i) { divide(first + i, boxes, keys); }, 1 + usual_grain / 4 / (1 + boxes_each));
+    }
+    for_each_index(boxes.size(), [&](std::size_t i) {
+        order_[i] = keys[i].index;
+        boxes_[i] = boxes[order_[i]];
+    });
+    for (std::size_t number = 0; number < nodes_.size(); ++number)
+        if (nodes_[number].begin != nodes_[number].end && is_leaf(nodes_[number])) leaves_.push_back(number);
+    std::ranges::sort(leaves_, {}, [&](std::size_t number) { return nodes_[number].begin; });
 }
 
 // At the median of the upper limits along the axis on which these lie farthest apart.
-void BoxIndex::divide(std::uint32_t number, std::size_t begin, std::size_t end) {
-    Box all = boxes_[order_[begin]];
-    Vec3 least = all.upper;
-    for (std::size_t i = begin; i < end; ++i) {
-        const Box& box = boxes_[order_[i]];
-        add(all, box);
+void BoxIndex::divide(std::size_t number, std::span<const Box> boxes, std::span<Key> keys) {
+    Node& node = nodes_[number];
+    if (node.begin == node.end) return;  // below a leaf
+    const std::span<Key> own = keys.subspan(node.begin, node.end - node.begin);
+    Vec3 least = boxes[own.front().index].upper;
+    for (const Key& key : own) {
+        const Box& box = boxes[key.index];
+        add(node.box, box);
         for (std::size_t axis = 0; axis < 3; ++axis) least[axis] = std::min(least[axis], box.upper[axis]);
     }
-    constexpr std::size_t leaf = 8;
-    if (end - begin <= leaf) {
-        nodes_[number] = {all, begin, end, 0};
-        return;
-    }
+    if (is_leaf(node)) return;
     std::size_t axis = 0;
     for (std::size_t other = 1; other < 3; ++other)
-        if (all.upper[other] - least[other] > all.upper[axis] - least[axis]) axis = other;
-    const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-    const std::size_t middle = begin + (end - begin) / 2;
-    std::nth_element(at(begin), at(middle), at(end),
-                     [&](std::size_t a, std::size_t b) { return boxes_[a].upper[axis] < boxes_[b].upper[axis]; });
-    const auto child = static_cast<std::uint32_t>(nodes_.size());
-    nodes_[number] = {all, 0, 0, child};
-    nodes_.resize(nodes_.size() + 2);
-    divide(child, begin, middle);
-    divide(child + 1, middle, end);
+        if (node.box.upper[other] - least[other] > node.box.upper[axis] - least[axis]) axis = other;
+    for (Key& key : own) key.value = boxes[key.index].upper[axis];
+    const std::size_t half = own.size() / 2;
+    std::ranges::nth_element(own, own.begin() + static_cast<std::ptrdiff_t>(half), {}, &Key::value);
+    Node &low = nodes_[2 * number + 1], &high = nodes_[2 * number + 2];
+    low.begin = node.begin;
+    low.end = high.begin = node.begin + half;
+    high.end = node.end;
 }
 
 }  // namespace clsdf

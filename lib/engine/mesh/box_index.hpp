@@ -3,8 +3,8 @@
 #include <clsdf/mesh.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -35,7 +35,7 @@ inline bool overlap(const Box& a, const Box& b) {
 /// The box widened by `margin`, in the mesh's units, and by the rounding of its coordinates.
 Box widened(Box box, double margin);
 
-/// Finds the boxes of a list that overlap another one, without a look at all of them.
+/// Finds the boxes of a list that overlap another one, or each other, without a look at all of them.
 class BoxIndex {
 public:
     /// Lower limits may be infinite.
@@ -44,36 +44,72 @@ public:
     /// Whether `holds` is true for the index of a box that overlaps `box`. Asks in no particular order.
     template <typename Predicate>
     bool any(const Box& box, const Predicate& holds) const {
-        std::vector<std::uint32_t> open;
-        if (!nodes_.empty()) open.push_back(0);
-        while (!open.empty()) {
-            const Node& node = nodes_[open.back()];
-            open.pop_back();
-            if (!overlap(node.box, box)) continue;
-            for (std::size_t i = node.begin; i < node.end; ++i)
+        return any_leaf(box, 0, [&](const Node& leaf) {
+            for (std::size_t i = leaf.begin; i < leaf.end; ++i)
                 if (overlap(boxes_[i], box) && holds(order_[i])) return true;
-            if (node.begin == node.end) {
-                open.push_back(node.child);
-                open.push_back(node.child + 1);
-            }
-        }
-        return false;
+            return false;
+        });
     }
     bool any(const Box& box) const {
         return any(box, [](std::size_t) { return true; });
     }
 
+    /// Boxes are in leaves, a few in each.
+    std::size_t leaf_count() const { return leaves_.size(); }
+    /// Calls f(a, b) for the indices of boxes that overlap, a < b: for all leaves each pair once, in no particular
+    /// order.
+    template <typename Function>
+    void for_each_pair(std::size_t leaf, const Function& f) const {
+        const Node& own = nodes_[leaves_[leaf]];
+        any_leaf(own.box, own.begin, [&](const Node& other) {
+            for (std::size_t i = own.begin; i < own.end; ++i)
+                for (std::size_t k = std::max(i + 1, other.begin); k < other.end; ++k)
+                    if (overlap(boxes_[i], boxes_[k]))
+                        f(std::min(order_[i], order_[k]), std::max(order_[i], order_[k]));
+            return false;
+        });
+    }
+
 private:
+    /// The children of node n are 2 n + 1 and 2 n + 2.
     struct Node {
-        Box box;                         ///< around all boxes below
-        std::size_t begin = 0, end = 0;  ///< a leaf's range of order_; equal if the node has children
-        std::uint32_t child = 0;         ///< the first of two
+        Box box = empty_box;             ///< around all boxes below
+        std::size_t begin = 0, end = 0;  ///< of these boxes
     };
-    void divide(std::uint32_t number, std::size_t begin, std::size_t end);
+    static constexpr std::size_t most_in_leaf = 8;
+    static bool is_leaf(const Node& node) { return node.end - node.begin <= most_in_leaf; }
+
+    struct Key {
+        double value;
+        std::size_t index;
+    };
+    void divide(std::size_t number, std::span<const Box> boxes, std::span<Key> keys);
+
+    /// Calls visit(node) for the leaves around `box` that have boxes from `first` on, until it returns true. Returns
+    /// whether it did.
+    template <typename Visit>
+    bool any_leaf(const Box& box, std::size_t first, const Visit& visit) const {
+        std::array<std::size_t, 64> open;  // NOLINT(*-member-init): more than the levels; set up to the count
+        std::size_t count = 0;
+        if (!nodes_.empty()) open[count++] = 0;
+        while (count > 0) {
+            const std::size_t number = open[--count];
+            const Node& node = nodes_[number];
+            if (node.end <= first || !overlap(node.box, box)) continue;
+            if (!is_leaf(node)) {
+                open[count++] = 2 * number + 1;
+                open[count++] = 2 * number + 2;
+            } else if (visit(node)) {
+                return true;
+            }
+        }
+        return false;
+    }
 
     std::vector<Box> boxes_;  // in the order of leaves
     std::vector<std::size_t> order_;
-    std::vector<Node> nodes_;
+    std::vector<Node> nodes_;          // by levels
+    std::vector<std::size_t> leaves_;  // nodes, by their boxes
 };
 
 }  // namespace clsdf

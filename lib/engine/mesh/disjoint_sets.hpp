@@ -15,7 +15,11 @@ namespace clsdf {
 /// Numbers from 0 on in sets that are joined (union-find).
 class DisjointSets {
 public:
-    explicit DisjointSets(std::size_t count) : parent_(count) {
+    explicit DisjointSets(std::size_t count) { reset(count); }
+
+    /// Each number in a set of its own.
+    void reset(std::size_t count) {
+        parent_.resize(count);
         std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
     }
 
@@ -54,9 +58,7 @@ public:
         }
     }
 
-private:
-    std::atomic_ref<std::uint32_t> parent(std::uint32_t number) { return std::atomic_ref(parent_[number]); }
-
+    /// The same number for all of a set, once no thread joins: the lowest.
     std::uint32_t root(std::uint32_t number) {
         for (;;) {
             const std::uint32_t above = parent(number).load(std::memory_order_relaxed);
@@ -66,6 +68,9 @@ private:
             number = next;
         }
     }
+
+private:
+    std::atomic_ref<std::uint32_t> parent(std::uint32_t number) { return std::atomic_ref(parent_[number]); }
 
     UninitializedVector<std::uint32_t> parent_;
 };

@@ -1,4 +1,5 @@
 #include "core/parallel.hpp"
+#include "core/word_hash.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/equal_vertices.hpp"
 #include "mesh/input_arrays.hpp"
@@ -163,19 +164,13 @@ void Mesh::set_groups(FaceGroups groups) {
 }
 
 std::uint64_t Mesh::hash() const {
-    // Each step maps different states to different states, and different words, too. So one word that differs is never
-    // lost.
-    std::uint64_t hash = 0;
-    const auto add = [&](std::uint64_t word) {
-        hash = (hash ^ word) * 0x9E3779B97F4A7C15U;
-        hash ^= hash >> 32;
-    };
-    add(vertices_.size());
+    WordHash hash;
+    hash.add(vertices_.size());
     for (const Vec3& vertex : vertices_)
-        for (const double coordinate : vertex) add(std::bit_cast<std::uint64_t>(coordinate));
+        for (const double coordinate : vertex) hash.add(std::bit_cast<std::uint64_t>(coordinate));
     for (const Triangle& triangle : triangles())
-        for (const std::uint32_t index : triangle) add(index);
-    return hash;
+        for (const std::uint32_t index : triangle) hash.add(index);
+    return hash.value();
 }
 
 namespace {

@@ -62,31 +62,45 @@ KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool>
     keep_only_copies_within_budget();
 }
 
-KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, MeshPart part,
-                   Restriction restriction, Options options)
-    : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(kept_, tools(), std::move(part)) {
-    restriction_.set(std::make_shared<const Restriction>(std::move(restriction)));
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, RegionPart part, Options options)
+    : context_(context),
+      pool_(std::move(pool)),
+      options_(std::move(options)),
+      mesh_(kept_, tools(), std::move(part.mesh.mesh), std::move(part.mesh.topology), std::move(part.mesh.frusta)) {
+    set_sign_surface(std::move(part.mesh.surface));
+    restriction_.set(std::make_shared<const Restriction>(std::move(part.restriction)));
+    set_encloses_negative_volume(part.encloses_negative_volume);
+    if (part.given_faces) set_given_faces(std::move(*part.given_faces));
+    if (part.boundary) {
+        OpenLoops loops;  // of whose vertices a part has none
+        loops.floor = part.boundary->floor;
+        open_loops_.set(std::make_shared<const OpenLoops>(std::move(loops)));
+        boundary_.set(std::move(part.boundary));
+    }
 }
 
-std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
-                                               SignRule sign) {
+RegionPart KeptMesh::part_of_regions(std::vector<Region> regions, SignRule sign) {
     return prepare([&] {
         Restriction restriction(std::move(regions));
-        MeshPart part =
-            part_of(mesh(), sign_surface(), topology(), frusta(), restriction.near(index(), sign, sign_surface_gap()));
-        restriction.numbers = std::move(part.triangles);
-        restriction.sample = surface_sample(topology(), frusta());
-        SignSurface surface = std::move(part.surface);
-        std::unique_ptr<KeptMesh> kept_mesh(
-            new KeptMesh(context_, std::move(pool), std::move(part), std::move(restriction), options_));
-        kept_mesh->set_sign_surface(std::move(surface));
-        if (given_faces_) kept_mesh->set_given_faces(given_faces_->of(kept_mesh->restriction()->numbers));
-        kept_mesh->set_encloses_negative_volume(encloses_negative_volume());
-        if (boundary() != nullptr) {
-            kept_mesh->open_loops_.set(open_loops_.get());
-            kept_mesh->boundary_.set(boundary_.get());
-        }
-        return kept_mesh;
+        RegionPart part{
+            part_of(mesh(), sign_surface(), topology(), frusta(), restriction.near(index(), sign, sign_surface_gap())),
+            std::move(restriction), encloses_negative_volume()};
+        part.restriction.numbers = part.mesh.triangles;
+        part.restriction.sample = surface_sample(topology(), frusta());
+        if (given_faces_) part.given_faces = given_faces_->of(part.restriction.numbers);
+        part.boundary = boundary();
+        return part;
+    });
+}
+
+RegionPart KeptMesh::own_part() {
+    return prepare([&] {
+        RegionPart part{{mesh(), sign_surface(), restriction_->numbers, shared_topology(), frusta()},
+                        *restriction_.get(),
+                        encloses_negative_volume()};
+        if (given_faces_) part.given_faces = *given_faces_.get();
+        part.boundary = boundary();
+        return part;
     });
 }
 

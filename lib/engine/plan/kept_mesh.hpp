@@ -15,7 +15,7 @@
 #include "launch/programs.hpp"
 #include "plan/job.hpp"
 #include "plan/lattice.hpp"
-#include "plan/restriction.hpp"
+#include "plan/region_part.hpp"
 #include "sign/exact_sides.hpp"
 #include "sign/sweep_mesh.hpp"
 #include "surface/open_edges.hpp"
@@ -71,9 +71,12 @@ public:
     KeptMesh(const KeptMesh&) = delete;
     KeptMesh& operator=(const KeptMesh&) = delete;
 
-    /// A mesh of only what samples and points of a box can need; see DistanceTransform::restrict_to().
-    std::unique_ptr<KeptMesh> restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
-                                         SignRule sign);
+    /// A mesh of only what samples and points of regions can need; see DistanceTransform::restrict_to().
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, RegionPart part, Options options);
+    /// The part of which such a mesh of this one is made.
+    RegionPart part_of_regions(std::vector<Region> regions, SignRule sign);
+    /// The part of which this mesh was made, if it is one.
+    RegionPart own_part();
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_.get().get(); }
     /// Fields are those of some of the joined meshes, whose numbers ascend: see records_of_meshes().
@@ -227,9 +230,6 @@ public:
     std::size_t record_bytes() const;
 
 private:
-    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, MeshPart part, Restriction restriction,
-             Options options);
-
     /// The mesh's own values come first, then the lattices, the last used first.
     template <class Visit>
     void each_kept(const Visit& visit);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <ranges>
 
 namespace clsdf {
 
@@ -173,6 +174,8 @@ Sheets find_sheets(const Mesh& mesh, std::span<const Triangle> triangles) {
         if (has_repeated_vertex(triangles[face])) is_free[face] = false;
     std::vector<Set> sets = joined_over_vertices(mesh, triangles, is_free);
     if (sets.size() > most_sheets) return {};
+    const auto is_left = [&](std::uint32_t face) { return !is_free[face] && !has_repeated_vertex(triangles[face]); };
+    if (sets.size() == 1 && std::ranges::none_of(std::views::iota(0U, triangles.size()), is_left)) return {};
     // Bodies with holes stay.
     std::erase_if(sets, [&](const Set& set) {
         if (set.faces.size() < fewest_faces) return false;

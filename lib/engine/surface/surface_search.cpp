@@ -194,7 +194,7 @@ const WindingTest& SurfaceSearch::winding_test() {
 }
 
 const WindingTest& SurfaceSearch::winding_test_with_covered_parts() {
-    test_ = test_winding_number(mesh_, triangles_, loops_of(edges_), true);
+    if (winding_test().has_clear_parts) test_ = test_winding_number(mesh_, triangles_, loops_of(edges_), true);
     return *test_;
 }
 

@@ -165,8 +165,9 @@ public:
         if (!unclear_.empty() && is_clear_in_box(view, mesh_.box())) {
             // A mesh that is clear as a whole may have more doubt beside some parts, and flat sheets.
             std::erase_if(unclear_, [&](std::size_t i) { return tally_of(i).is_nearly_clear() && has_inside(i); });
+            test.has_clear_parts = !unclear_.empty() && unclear_.size() < parts_.size();
             std::vector<std::size_t> details;
-            if (may_be_covered) {
+            if (may_be_covered && test.has_clear_parts) {
                 take_covered();
                 const std::vector<std::size_t> before = unclear_;
                 take_details();

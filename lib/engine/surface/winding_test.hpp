@@ -18,10 +18,12 @@ struct WindingTest {
     std::size_t detail_parts = 0;  ///< of a clear surface that would not be clear if no part were a detail
     std::size_t detail_faces = 0;
     std::uint32_t first_detail_face = 0;
+    bool has_clear_parts = false;  ///< beside unclear ones, in a clear box
 
     bool is_clear() const { return all.tested > 0 && unclear_parts == 0; }
 };
-/// may_be_covered: a part is clear, too, if its holes lie within others and the mesh's box is clear.
+/// may_be_covered: a part is clear, too, if its holes lie within others and the mesh's box is clear. This changes
+/// nothing if the test without it has no clear parts.
 WindingTest test_winding_number(const Mesh& mesh, std::span<const Triangle> triangles, const OpenLoops& loops,
                                 bool may_be_covered = false);
 

@@ -19,6 +19,8 @@
 /// The parts of a grid's cells that a mesh fills (docs/fractions.md).
 namespace clsdf {
 
+class Device;
+
 /// The part of a cell that is measured. The values of the enumerators never change.
 enum class CellPart : std::int32_t {
     solid = 0,  ///< what the mesh encloses
@@ -92,8 +94,8 @@ struct Fractions {
     }
 };
 
-/// Called with the cells of each grid in the order of the grids. Its exceptions are passed on; std::bad_alloc becomes
-/// Error(out_of_memory).
+/// Called with the cells of each grid, or of each slab of one, in their order. Its exceptions are passed on;
+/// std::bad_alloc becomes Error(out_of_memory).
 using FractionSink = std::function<void(std::size_t grid_number, Fractions& found)>;
 
 /// The value of a cell in the array of types. The values of the enumerators never change.
@@ -103,7 +105,7 @@ enum class CellType : std::uint8_t {
     cut = 2,    ///< the surface meets it
 };
 
-/// The caller's arrays on the host, each of which may be missing: of float or double, but for `types` and `pieces`. Of
+/// The caller's arrays, each of which may be missing: of float or double, but for `types` and `pieces`. Of
 /// cells they have an item for each cell of the grid, x fastest; face_fractions[d] and face_centroids[d] one for each
 /// face across axis d, one more along that axis. Volumes and fractions of faces are clamped to [0, 1]. Without strides
 /// the components of an item lie side by side; with a component_stride alone those of all items do.
@@ -126,6 +128,25 @@ struct FractionRequest {
     FractionTargets targets;
 };
 
+/// The caller's arrays for the members of CellFraction, each of which may be missing, an item for each cell that the
+/// surface meets, in the order of Fractions::cells. They have `room` items, of any strides; real numbers are float or
+/// double.
+struct FractionRows {
+    std::size_t room = 0;
+    OutputArray cells{};   ///< int32, three components
+    OutputArray pieces{};  ///< uint32 or int32
+    OutputArray volume{};
+    OutputArray centroid{};  ///< three components
+    OutputArray area{};
+    OutputArray vector_area{};       ///< three components
+    OutputArray surface_centroid{};  ///< three components
+    OutputArray face_fractions{};    ///< six components
+    OutputArray face_centroids{};    ///< twelve components: two of each face
+    /// uint8, an item for each cell of the grid, x fastest: 1 if it is wholly of FractionOptions::part. It needs no
+    /// room.
+    OutputArray full{};
+};
+
 /// The fractions of cells that a mesh fills: volumes, areas and centroids, by the mesh's triangles clipped at the
 /// cells' faces. They are those of its outer() surface, so parts may overlap. Sums are the mesh's: the volumes add up
 /// to the volume inside, the areas to its area, differences of opposite faces are the vector area, up to rounding.
@@ -135,7 +156,8 @@ struct FractionRequest {
 ///
 /// A grid may be a part of a lattice: each cell has the same bytes as in the whole. Uses all cores; may be called by
 /// many threads. Throws the errors of outer() and of the validation of the grid; Error(invalid_argument) unless it has
-/// two samples or more on each axis. Of `call`, should_stop and progress count.
+/// two samples or more on each axis, none of them 2^31 or more from its origin; Error(out_of_memory). Of `call`,
+/// should_stop and progress count.
 CLSDF_EXPORT Fractions fractions(const Mesh& mesh, const Grid& grid, SignRule sign = SignRule::automatic,
                                  const CallOptions& call = {});
 CLSDF_EXPORT Fractions fractions(const Mesh& mesh, const Grid& grid, const FractionOptions& options,
@@ -147,9 +169,33 @@ CLSDF_EXPORT Fractions fractions(const OuterSurface& surface, const Grid& grid, 
 /// of one lattice share their preparation.
 CLSDF_EXPORT void fractions(const OuterSurface& surface, std::span<const Grid> grids, const FractionSink& sink,
                             const FractionOptions& options = {}, const CallOptions& call = {});
-/// The same into arrays of the caller's. Throws also Error(unsupported) for memory of a device and other types,
-/// Error(invalid_argument) for arrays that are too small; then no array has changed.
+/// The cells of a grid of any size, slab by slab: whole layers of cells in the order of z, whose rows one after another
+/// are those of the whole. The sink gets the number of the slab, which is Fractions::grid. The memory is that of two
+/// slabs. Throws Error(invalid_argument) for an empty sink, as the function above does.
+CLSDF_EXPORT void fraction_slabs(const OuterSurface& surface, const Grid& grid, const FractionSink& sink,
+                                 const FractionOptions& options = {}, const CallOptions& call = {});
+/// How many cells of a grid the surface meets. Takes the time of fraction_slabs().
+CLSDF_EXPORT std::size_t count_fractions(const OuterSurface& surface, const Grid& grid,
+                                         const FractionOptions& options = {}, const CallOptions& call = {});
+
+/// The same into arrays of the caller's on the host. Throws also Error(unsupported) for memory of a device and other
+/// types, Error(invalid_argument) for arrays that are too small or overlap; then no array has changed.
 CLSDF_EXPORT void fractions(const OuterSurface& surface, std::span<const FractionRequest> requests,
                             const FractionOptions& options = {}, const CallOptions& call = {});
+/// The rows of a grid into arrays of the caller's on the host. `count` gets how many rows there are. If arrays of rows
+/// have less room, throws Error(invalid_argument) that names both numbers, `count` has it, and nothing is written.
+/// After other errors `count` is 0. Items beyond the rows stay as they are. Throws as the function above does.
+CLSDF_EXPORT void fractions(const OuterSurface& surface, const Grid& grid, const FractionRows& rows, std::size_t& count,
+                            const FractionOptions& options = {}, const CallOptions& call = {});
+
+/// The same two with arrays that may be buffers of a device, too: they are mapped after the events of the call's
+/// wait_list, and have the results when the call returns. Throw also Error(invalid_argument) for memory of another
+/// context, Error(unsupported) for a buffer that the host may not write, Error(device_failure).
+CLSDF_EXPORT void fractions(const Device& device, const OuterSurface& surface,
+                            std::span<const FractionRequest> requests, const FractionOptions& options = {},
+                            const CallOptions& call = {});
+CLSDF_EXPORT void fractions(const Device& device, const OuterSurface& surface, const Grid& grid,
+                            const FractionRows& rows, std::size_t& count, const FractionOptions& options = {},
+                            const CallOptions& call = {});
 
 }  // namespace clsdf

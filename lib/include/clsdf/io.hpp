@@ -128,6 +128,20 @@ private:
     std::unique_ptr<SparseFormatWriter> format_;  // null after the end or a failure
 };
 
+/// Cells of a level of a refined mesh: the samples of the grid are their centres. A field's are {field.grid,
+/// field.slab()}; the values are not copied.
+struct CellBox {
+    Grid grid;
+    FieldSlab values;
+};
+
+/// Writes boxes of refined levels as VTK's OverlappingAMR (.vtkhdf), with the outputs as data of cells: ParaView and
+/// VTK show coarse cells where no finer box covers them. Boxes of one spacing are a level, in any order; each spacing
+/// is a whole part of the next coarser one, and the cells of all levels fit the coarsest ones. Complete or not at all.
+/// read_field() does not read it; VTK 9.7 does, 9.1 does not. Throws Error(invalid_argument) that names the box,
+/// Error(unsupported) for another ending, Error(output_failure).
+CLSDF_EXPORT void write_overlapping_amr(std::span<const CellBox> boxes, const std::string& path);
+
 /// Writes links, whose grid and directions these are: .npz or .h5, with arrays as Links has them, `stencil`, `inside`
 /// (a byte for each sample, z first), `origin`, `spacing`, `size` and `first`; or .npy, a structure for each link.
 /// groups: of the mesh; the file gets the number of the triangle's group, too, in the array `groups` or the member

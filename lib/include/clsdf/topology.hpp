@@ -34,6 +34,8 @@ struct Topology {
     struct Edge {
         Vec3 from;
         Vec3 to;
+
+        friend bool operator==(const Edge&, const Edge&) = default;
     };
 
     bool closed = false;      ///< every undirected edge has an even number of faces
@@ -101,6 +103,8 @@ struct Topology {
     /// Set for a transform with TransformOptions::surface outer; else 0.
     std::size_t partial_faces = 0;  ///< faces of which parts are on the outer surface
     std::size_t hidden_faces = 0;   ///< faces that are not on it at all
+
+    friend bool operator==(const Topology&, const Topology&) = default;
 };
 
 /// Throws Error(unsupported) for 2^30 triangles or more.

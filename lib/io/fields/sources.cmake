@@ -26,6 +26,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/vti_document.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_write.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/vtkhdf_levels.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vtkhdf_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vtkhdf_write.cpp)
 target_include_directories(clsdf_io PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})

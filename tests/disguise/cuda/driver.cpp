@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::cuda {
+namespace clsdf::cuda_stand_in {
 
 struct Memory {
     int descriptor = -1;
@@ -135,9 +135,9 @@ Bytes bytes_at(std::uint64_t address, std::size_t size) {
     return {found->second.memory->address + (address - found->first), found->second.memory};
 }
 
-}  // namespace clsdf::cuda
+}  // namespace clsdf::cuda_stand_in
 
-using namespace clsdf::cuda;
+using namespace clsdf::cuda_stand_in;
 
 namespace {
 

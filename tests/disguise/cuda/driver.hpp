@@ -13,7 +13,7 @@
 ///   CLSDF_CUDA_FAULT=CALL:NUMBER   that call fails with CUDA_ERROR_UNKNOWN, counted from 1
 ///   CLSDF_CUDA_DELAY=CALL:NUMBER   that call begins a second later
 /// Each call reads these variables.
-namespace clsdf::cuda {
+namespace clsdf::cuda_stand_in {
 
 using Result = int;
 constexpr Result success = 0, invalid_value = 1, out_of_memory = 2, not_initialized = 3, no_device = 100,
@@ -38,4 +38,4 @@ Bytes bytes_at(std::uint64_t address, std::size_t size);
 /// Waits until all streams have done what was enqueued before.
 void finish_all();
 
-}  // namespace clsdf::cuda
+}  // namespace clsdf::cuda_stand_in

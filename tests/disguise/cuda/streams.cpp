@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::cuda {
+namespace clsdf::cuda_stand_in {
 
 namespace {
 
@@ -137,9 +137,9 @@ void finish_all() {
     for (Stream* const stream : all) stream->finish();
 }
 
-}  // namespace clsdf::cuda
+}  // namespace clsdf::cuda_stand_in
 
-using namespace clsdf::cuda;
+using namespace clsdf::cuda_stand_in;
 
 extern "C" {
 

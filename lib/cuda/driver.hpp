@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-/// The part of CUDA's driver that the binding uses, by the names and the types of cuda.h. Nothing of CUDA is needed at
+/// The part of CUDA's driver that clsdf::cuda uses, by the names and the types of cuda.h. Nothing of CUDA is needed at
 /// build time, and libcuda.so.1 is opened by the first call of driver().
-namespace clsdf::python::cuda {
+namespace clsdf::cuda {
 
 using Pointer = std::uint64_t;    ///< CUdeviceptr
 using Allocated = std::uint64_t;  ///< CUmemGenericAllocationHandle
@@ -15,9 +15,9 @@ using Stream = void*;             ///< CUstream
 using Event = void*;              ///< CUevent
 using Semaphore = void*;          ///< CUexternalSemaphore
 
-/// CU_STREAM_LEGACY, the default stream of torch and CuPy.
-inline Stream default_stream() {
-    return reinterpret_cast<Stream>(1);
+/// A stream as it is kept: the default stream has two names, null and CU_STREAM_LEGACY.
+inline Stream named(Stream stream) {
+    return stream != nullptr ? stream : reinterpret_cast<Stream>(1);
 }
 
 struct Location {
@@ -34,11 +34,11 @@ struct AllocationProperties {
     unsigned char reserved[4]{};
 };
 static_assert(sizeof(AllocationProperties) == 32);
-struct Access {
+struct Accessibility {
     Location location;
     int flags = 3;  // CU_MEM_ACCESS_FLAGS_PROT_READWRITE
 };
-static_assert(sizeof(Access) == 12);
+static_assert(sizeof(Accessibility) == 12);
 struct SemaphoreDescription {
     int type = 1;  // CU_EXTERNAL_SEMAPHORE_HANDLE_TYPE_OPAQUE_FD
     alignas(8) int descriptor = -1;
@@ -74,7 +74,7 @@ static_assert(sizeof(SemaphoreParameters) == 144);
     X(unreserve, cuMemAddressFree, (Pointer address, std::size_t bytes))                                             \
     X(map, cuMemMap, (Pointer address, std::size_t bytes, std::size_t offset, Allocated, unsigned long long))        \
     X(unmap, cuMemUnmap, (Pointer address, std::size_t bytes))                                                       \
-    X(set_access, cuMemSetAccess, (Pointer address, std::size_t bytes, const Access*, std::size_t count))            \
+    X(set_access, cuMemSetAccess, (Pointer address, std::size_t bytes, const Accessibility*, std::size_t count))     \
     X(pointer_attribute, cuPointerGetAttribute, (void* value, int attribute, Pointer address))                       \
     X(copy, cuMemcpyDtoDAsync_v2, (Pointer to, Pointer from, std::size_t bytes, Stream))                             \
     X(copy_up, cuMemcpyHtoDAsync_v2, (Pointer to, const void* from, std::size_t bytes, Stream))                      \
@@ -120,4 +120,4 @@ public:
     Current& operator=(const Current&) = delete;
 };
 
-}  // namespace clsdf::python::cuda
+}  // namespace clsdf::cuda

@@ -1,4 +1,4 @@
-#include "cuda_driver.hpp"
+#include "cuda/driver.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -6,7 +6,7 @@
 #include <memory>
 #include <mutex>
 
-namespace clsdf::python::cuda {
+namespace clsdf::cuda {
 
 namespace {
 
@@ -54,4 +54,4 @@ void check(int code, const char* call) {
                 std::string("the CUDA call ") + call + " failed: " + name_of(driver(), code));
 }
 
-}  // namespace clsdf::python::cuda
+}  // namespace clsdf::cuda

@@ -1,0 +1,301 @@
+#include "plan/region_part.hpp"
+
+#include "core/archive.hpp"
+#include "core/word_hash.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/version.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <numeric>
+#include <string>
+#include <utility>
+
+namespace clsdf::engine {
+
+namespace {
+
+struct Head {
+    std::array<char, 8> name{'c', 'l', 's', 'd', 'f', 'p', 'r', 't'};
+    std::uint32_t byte_order = 0x01020304;
+    std::uint32_t layout = 1;  ///< of what follows; another number for each change of it
+    std::uint64_t version = CLSDF_VERSION;
+    std::uint64_t size = 0;  ///< of what follows
+    std::uint64_t hash = 0;  ///< of what follows
+};
+
+std::uint64_t hash_of(std::span<const std::byte> bytes) {
+    WordHash hash;
+    std::size_t at = 0;
+    for (; at + sizeof(std::uint64_t) <= bytes.size(); at += sizeof(std::uint64_t)) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, bytes.data() + at, sizeof(word));
+        hash.add(word);
+    }
+    for (; at < bytes.size(); ++at) hash.add(std::to_integer<std::uint64_t>(bytes[at]));
+    return hash.value();
+}
+
+[[noreturn]] void refuse(const std::string& reason) {
+    throw Error(ErrorCode::invalid_argument, fmt::format("these bytes are no part of a transform that this program can "
+                                                         "read: {}; pass all bytes that part_bytes() gave",
+                                                         reason));
+}
+
+/// A site without its normal's type, which is Eigen's.
+struct StoredSite {
+    std::uint32_t vertex, face;
+    std::array<double, 3> normal;
+    FaceSlopes slopes;
+};
+
+/// The members of a part in the order of its bytes.
+struct Content {
+    std::int32_t sign = 0;
+    std::uint32_t has_floor = 0, is_negative = 0, has_boundary = 0, boundary_has_floor = 0;
+    double floor = 0, boundary_floor = 0;
+    Topology topology;
+    std::vector<Region> regions;
+    std::uint64_t record_count = 0;
+    std::vector<std::uint32_t> numbers;
+    SurfaceSample sample;
+    std::vector<char> name;
+    Box box;
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    std::vector<std::uint32_t> surface_vertices;
+    std::vector<SignSurface::Use> surface_faces;
+    UninitializedVector<std::uint32_t> order;
+    std::vector<std::uint32_t> non_manifold;
+    std::vector<StoredSite> sites;
+    std::vector<std::uint32_t> slivers;
+    std::uint64_t saddle_vertices = 0, boxes = 0;
+    UninitializedVector<FaceSlopes> slopes;
+    std::vector<Vec3> corners;
+    std::vector<std::size_t> begins;
+
+    template <typename Archive>
+    void visit(Archive& archive) {
+        archive(sign);
+        for (std::uint32_t* flag : {&has_floor, &is_negative, &has_boundary, &boundary_has_floor}) archive(*flag);
+        archive(floor);
+        archive(boundary_floor);
+        visit_topology(archive);
+        archive(regions);
+        archive(record_count);
+        archive(numbers);
+        archive(sample);
+        archive(name);
+        archive(box);
+        archive(vertices);
+        archive(triangles);
+        archive(surface_vertices);
+        archive(surface_faces);
+        archive(order);
+        archive(non_manifold);
+        archive(sites);
+        archive(slivers);
+        archive(saddle_vertices);
+        archive(boxes);
+        archive(slopes);
+        archive(corners);
+        archive(begins);
+    }
+
+private:
+    template <typename Archive>
+    void visit_topology(Archive& archive) {
+        Topology& t = topology;
+        for (bool* flag : {&t.closed, &t.balanced, &t.inside_out}) archive(*flag);
+        for (std::size_t* count : {&t.open_edges,
+                                   &t.unbalanced_edges,
+                                   &t.non_manifold_edges,
+                                   &t.repeated_vertex_faces,
+                                   &t.coincident_vertices,
+                                   &t.unused_vertices,
+                                   &t.boundary_edges,
+                                   &t.joined_vertices,
+                                   &t.duplicate_faces,
+                                   &t.uncounted_faces,
+                                   &t.reoriented_faces,
+                                   &t.inner_wall_faces,
+                                   &t.first_inner_wall_face,
+                                   &t.parts,
+                                   &t.inward_parts,
+                                   &t.first_inward_face,
+                                   &t.nested_parts,
+                                   &t.first_nested_face,
+                                   &t.tested_points,
+                                   &t.doubtful_points,
+                                   &t.inside_points,
+                                   &t.unclear_parts,
+                                   &t.first_unclear_face,
+                                   &t.double_sided_faces,
+                                   &t.doubled_cavity_faces,
+                                   &t.first_doubled_cavity_face,
+                                   &t.sheet_faces,
+                                   &t.first_sheet_face,
+                                   &t.enclosing_faces,
+                                   &t.first_enclosing_face,
+                                   &t.overlapping_parts,
+                                   &t.first_overlapping_face,
+                                   &t.downward_faces,
+                                   &t.first_downward_face,
+                                   &t.rim_loops,
+                                   &t.overlapping_rim_edges,
+                                   &t.detail_parts,
+                                   &t.detail_faces,
+                                   &t.first_detail_face,
+                                   &t.partial_faces,
+                                   &t.hidden_faces})
+            archive(*count);
+        for (std::vector<Topology::Edge>* edges :
+             {&t.first_open_edges, &t.first_unbalanced_edges, &t.first_overlapping_rim_edges})
+            archive(*edges);
+    }
+};
+
+bool are_below(std::span<const std::uint32_t> values, std::size_t limit) {
+    return std::ranges::all_of(values, [&](std::uint32_t value) { return value < limit; });
+}
+
+bool is_permutation(std::span<const std::uint32_t> order) {
+    std::vector<bool> is_there(order.size());
+    for (const std::uint32_t place : order) {
+        if (place >= order.size() || is_there[place]) return false;
+        is_there[place] = true;
+    }
+    return true;
+}
+
+/// Whether every index lies within the list that it is of. The hash tells damage; this keeps bytes that were made by
+/// something else from reading beyond.
+bool fits(const Content& c) {
+    const std::size_t faces = c.triangles.size(), vertices = c.vertices.size();
+    bool fits = faces > 0 && c.order.size() == faces && c.slopes.size() == faces && c.numbers.size() == faces &&
+                is_permutation(c.order) && are_below(c.non_manifold, 3 * faces) && are_below(c.slivers, faces) &&
+                (c.surface_vertices.empty() ||
+                 (c.surface_vertices.size() == vertices && are_below(c.surface_vertices, vertices))) &&
+                (c.surface_faces.empty() || c.surface_faces.size() == faces) && !c.regions.empty() &&
+                c.sign > static_cast<std::int32_t>(SignRule::automatic) &&
+                c.sign <= static_cast<std::int32_t>(SignRule::below) && !c.begins.empty() && c.begins.front() == 0 &&
+                c.begins.back() == c.corners.size() && std::ranges::is_sorted(c.begins);
+    for (const Triangle& triangle : c.triangles) fits = fits && are_below(triangle, vertices);
+    for (const StoredSite& site : c.sites) fits = fits && site.vertex < vertices && site.face < faces;
+    for (const SignSurface::Use use : c.surface_faces) fits = fits && use != 0 && use >= -2 && use <= 2;
+    return fits;
+}
+
+}  // namespace
+
+std::vector<std::byte> bytes_of(const RegionPart& part, const SignOfWhole& sign) {
+    Content content;
+    content.sign = static_cast<std::int32_t>(sign.sign);
+    content.has_floor = sign.floor ? 1 : 0;
+    content.floor = sign.floor.value_or(0);
+    content.topology = sign.topology;
+    content.is_negative = part.encloses_negative_volume ? 1 : 0;
+    content.regions = part.restriction.regions;
+    content.record_count = part.restriction.record_count;
+    content.numbers = part.restriction.numbers;
+    content.sample = part.restriction.sample;
+    const Mesh& mesh = part.mesh.mesh;
+    content.name.assign(mesh.name().begin(), mesh.name().end());
+    content.box = mesh.box();
+    content.vertices = mesh.vertices();
+    content.triangles = mesh.triangles();
+    content.surface_vertices = part.mesh.surface.vertices;
+    content.surface_faces = part.mesh.surface.faces;
+    content.order = part.mesh.topology->order;
+    content.non_manifold = non_manifold_edges(*part.mesh.topology);
+    const Frusta& frusta = part.mesh.frusta;
+    for (const SiteFrustum& site : frusta.sites)
+        content.sites.push_back(
+            {site.vertex, site.face, {site.normal[0], site.normal[1], site.normal[2]}, site.slopes});
+    content.slivers = frusta.slivers;
+    content.saddle_vertices = frusta.saddle_vertices;
+    content.boxes = frusta.boxes;
+    content.slopes = frusta.slopes;
+    content.begins = {0};
+    if (part.boundary) {
+        content.has_boundary = 1;
+        content.corners = part.boundary->corners;
+        content.begins = part.boundary->begins;
+        content.boundary_has_floor = part.boundary->floor ? 1 : 0;
+        content.boundary_floor = part.boundary->floor.value_or(0);
+    }
+    WritingArchive archive;
+    Head head;
+    archive(head);
+    content.visit(archive);
+    std::vector<std::byte> bytes = archive.take();
+    const std::span<const std::byte> values = std::span(bytes).subspan(sizeof(Head));
+    head.size = values.size();
+    head.hash = hash_of(values);
+    std::memcpy(bytes.data(), &head, sizeof(head));
+    return bytes;
+}
+
+StoredPart part_of_bytes(std::span<const std::byte> bytes) {
+    const Head own;
+    Head head;
+    if (bytes.size() < sizeof(head)) refuse(fmt::format("there are {}, fewer than its head has", bytes.size()));
+    std::memcpy(&head, bytes.data(), sizeof(head));
+    bytes = bytes.subspan(sizeof(head));
+    if (head.name != own.name) refuse("they do not begin as one");
+    if (head.byte_order != own.byte_order) refuse("a machine of another byte order wrote them");
+    if (head.layout != own.layout || head.version != own.version)
+        refuse(fmt::format("clsdf of the version number {} (layout {}) wrote them, and this is {} (layout {})",
+                           head.version, head.layout, own.version, own.layout));
+    if (head.size != bytes.size()) refuse(fmt::format("{} follow the head, which states {}", bytes.size(), head.size));
+    if (head.hash != hash_of(bytes)) refuse("they were changed since they were written");
+    Content content;
+    try {
+        ReadingArchive archive(bytes);
+        content.visit(archive);
+        if (!archive.is_at_end()) refuse("more follow than a part has");
+    } catch (const ReadingArchive::Ended&) {
+        refuse("they end too early");
+    }
+    if (!fits(content)) refuse("an index or a count is out of range");
+
+    SignSurface surface;
+    surface.vertices = std::move(content.surface_vertices);
+    surface.faces = std::move(content.surface_faces);
+    Mesh mesh(std::move(content.vertices), std::move(content.triangles),
+              std::string(content.name.begin(), content.name.end()));
+    Restriction restriction(std::move(content.regions));
+    restriction.record_count = static_cast<std::size_t>(content.record_count);
+    restriction.numbers = content.numbers;
+    restriction.sample = std::move(content.sample);
+    StoredPart stored{
+        {make_part(std::move(mesh), content.box, std::move(surface), std::move(content.numbers),
+                   std::move(content.order), content.non_manifold),
+         std::move(restriction), content.is_negative != 0},
+        {static_cast<SignRule>(content.sign), content.has_floor != 0 ? std::optional(content.floor) : std::nullopt,
+         std::move(content.topology)}};
+    Frusta& frusta = stored.part.mesh.frusta;
+    for (const StoredSite& site : content.sites)
+        frusta.sites.push_back({site.vertex, site.face, {site.normal[0], site.normal[1], site.normal[2]}, site.slopes});
+    if (!std::ranges::all_of(frusta.sites, [&](const auto& site) { return site.vertex < frusta.positions.size(); }))
+        refuse("an index or a count is out of range");
+    frusta.slivers = std::move(content.slivers);
+    frusta.saddle_vertices = static_cast<std::size_t>(content.saddle_vertices);
+    frusta.boxes = static_cast<std::size_t>(content.boxes);
+    frusta.slopes = std::move(content.slopes);
+    if (content.has_boundary != 0) {
+        auto boundary = std::make_shared<OpenBoundary>();
+        boundary->corners = std::move(content.corners);
+        boundary->begins = std::move(content.begins);
+        if (content.boundary_has_floor != 0) boundary->floor = content.boundary_floor;
+        stored.part.boundary = std::move(boundary);
+    }
+    return stored;
+}
+
+}  // namespace clsdf::engine

@@ -1,0 +1,149 @@
+// A restricted transform that is made of bytes gives what the one does that they were made from.
+#include "calls/regions.hpp"
+#include "support/doubtful_meshes.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/open_meshes.hpp"
+#include "support/random_meshes.hpp"
+#include "support/throws.hpp"
+
+#include <clsdf/sparse.hpp>
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+struct Body {
+    Mesh mesh;
+    TransformOptions options{};
+};
+
+/// Meshes for all sign rules, some with another surface than the mesh for the sign.
+std::vector<Body> bodies() {
+    Random random(23);
+    std::vector<Body> bodies;
+    bodies.push_back({tilted(make_shape("knot"))});
+    bodies.push_back({tilted(make_shape("noisy")), {.sign = SignRule::none}});
+    bodies.push_back({together({cube(1), shifted(cube(1), {0.5, 0.6, 0.7})}, "two"), {.sign = SignRule::parity}});
+    bodies.push_back({without_triangle(make_shape("sphere4"), 7)});
+    bodies.push_back({seamed_torus()});
+    bodies.push_back({boxes_with_membrane()});
+    bodies.push_back({random_slivers(random, 300)});
+    std::vector<Mesh> cubes;  // neighbours share an edge of four faces
+    for (int i = 0; i < 6; ++i) cubes.push_back(shifted(cube(0.5), {i + 0.5, i + 0.5, 0.5}));
+    bodies.push_back({weld(together(cubes, "cubes"))});
+    std::vector<Vec3> heights;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t y = 0; y < 9; ++y)
+        for (std::uint32_t x = 0; x < 9; ++x) {
+            heights.push_back({x / 8.0, y / 8.0, 0.1 * random.uniform(0, 1)});
+            if (x == 8 || y == 8) continue;
+            const std::uint32_t at = 9 * y + x;
+            triangles.push_back({at, at + 1, at + 10});
+            triangles.push_back({at, at + 10, at + 9});
+        }
+    bodies.push_back({Mesh(heights, triangles, "terrain"), {.sign = SignRule::below, .floor = -0.5}});
+    return bodies;
+}
+
+void check_same_answers(const DistanceTransform& expected, const DistanceTransform& found, const Region& region,
+                        const Vec3& origin) {
+    const Band band{0.6 * region.half_width, region.half_width};
+    const Grid grid = samples_in(region.box, region.spacing, origin);
+    if (is_inside(grid, region.box)) {
+        check_same(expected.compute(grid, band, all_outputs()), found.compute(grid, band, all_outputs()));
+        const SparseField one = expected.compute_sparse(grid, band), other = found.compute_sparse(grid, band);
+        BOOST_TEST((one.bricks == other.bricks));
+        BOOST_TEST((bits_of(one.distance()) == bits_of(other.distance())));
+    }
+    Random random(3);
+    std::vector<Vec3> points(400);
+    for (Vec3& point : points)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            point[axis] = std::clamp(random.uniform(region.box.lower[axis], region.box.upper[axis]),
+                                     region.box.lower[axis], region.box.upper[axis]);
+    check_same(query(expected, points, region.half_width), query(found, points, region.half_width));
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_part_of_bytes_has_the_answers_and_the_bytes_of_the_first) {
+    for (const auto& [mesh, options] : bodies()) {
+        const double side = mesh.box().longest_side(), h = side / 30;
+        std::optional<DistanceTransform> whole(std::in_place, test_device(), mesh, options);
+        for (const Box& box : boxes_about(mesh)) {
+            const Region region{box, 4 * h, h};
+            const Vec3 origin{0.1 * side, -0.3 * side, 0.2 * side};
+            const Grid bricks = in_whole_bricks(samples_in(box, h, origin));  // of a sparse field
+            const std::vector<Region> regions{region, {bricks.box(), region.half_width, h}};
+            const DistanceTransform part = whole->restrict_to(regions);
+            const std::vector<std::byte> bytes = part.part_bytes();
+            const DistanceTransform read = DistanceTransform::from_part(test_device(), bytes);
+            BOOST_TEST_CONTEXT(mesh.name()
+                               << ", box from " << box.lower[0] << ", " << box.lower[1] << ", " << box.lower[2]) {
+                BOOST_TEST((read.sign() == whole->sign()));
+                BOOST_TEST(read.box().lower == whole->box().lower, boost::test_tools::per_element());
+                BOOST_TEST((read.topology() == whole->topology()));
+                check_same_answers(part, read, region, origin);
+                BOOST_TEST((read.part_bytes() == bytes));
+            }
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_part_of_bytes_refuses_what_the_first_refuses) {
+    const DistanceTransform whole(test_device(), cube(1));
+    const Box box{{0, 0, 0}, {1, 1, 1}};
+    DistanceTransform part =
+        DistanceTransform::from_part(test_device(), whole.restrict_to({box, 0.3, 0.1}).part_bytes());
+    const Grid inside = samples_in(box, 0.1, {0, 0, 0});
+    check_throws(ErrorCode::invalid_argument, {"samples reach from", "restrict the whole"},
+                 [&] { part.compute(inside.grown(1), Band::symmetric(0.3)); });
+    check_throws(ErrorCode::unsupported, {"restrict the whole one"}, [&] { part.restrict_to({box, 0.1, 0.1}); });
+    check_throws(ErrorCode::unsupported, {"set the positions of the whole one"},
+                 [&] { part.set_positions(cube(1).vertices()); });
+    check_throws(ErrorCode::unsupported, {"whole", "restrict it first"}, [&] { whole.part_bytes(); });
+    const Mesh overlapping = together({cube(1), shifted(cube(1), {0.5, 0.6, 0.7})}, "two");
+    const DistanceTransform outer(test_device(), overlapping, {.surface = Surface::outer});
+    check_throws(ErrorCode::unsupported, {"surface is outer", "the mesh of outer()"}, [&] {
+        outer.restrict_to({box, 0.3, 0.1}).part_bytes();
+    });
+}
+
+BOOST_AUTO_TEST_CASE(bytes_that_are_no_whole_part_are_refused_by_name) {
+    const DistanceTransform whole(test_device(), without_triangle(make_shape("sphere3"), 3));
+    const std::vector<std::byte> bytes = whole.restrict_to({{{0, 0, 0}, {1, 1, 1}}, 0.2, 0.1}).part_bytes();
+    const auto refused = [](std::span<const std::byte> wrong, const char* said) {
+        check_throws(ErrorCode::invalid_argument, {"these bytes are no part", said, "part_bytes()"},
+                     [&] { DistanceTransform::from_part(test_device(), wrong); });
+    };
+    refused({}, "there are 0");
+    refused(std::span(bytes).first(20), "fewer than its head");
+    for (std::size_t size = 48; size < bytes.size(); size += 997) refused(std::span(bytes).first(size), "which states");
+    std::vector<std::byte> longer = bytes;
+    longer.push_back({});
+    refused(longer, "which states");
+    Random random(11);
+    for (int i = 0; i < 300; ++i) {
+        std::vector<std::byte> damaged = bytes;
+        damaged[48 + random.index(bytes.size() - 48)] ^= std::byte{static_cast<unsigned char>(1U << random.index(8))};
+        refused(damaged, "were changed");
+    }
+    for (const auto& [at, said] : {std::pair{0, "do not begin as one"},
+                                   {8, "another byte order"},
+                                   {12, "layout"},
+                                   {16, "wrote them, and this is"},
+                                   {24, "which states"},
+                                   {40, "were changed"}}) {
+        std::vector<std::byte> damaged = bytes;
+        damaged[static_cast<std::size_t>(at)] ^= std::byte{1};
+        refused(damaged, said);
+    }
+}
