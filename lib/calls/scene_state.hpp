@@ -97,6 +97,9 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     /// field_mutex.
     const DistanceTransform& placed(const Body& body);
 
+    // scene_outer.cpp
+    SceneSurface outer(const CallOptions& call) const;
+
     // scene_queries.cpp
     class Call;
     /// frames: of all bodies for each configuration, or nothing for the poses that they have. half_widths: one, or one
