@@ -102,7 +102,7 @@ void check_is_the_same(MPI_Comm comm, const clsdf::Mesh& mesh) {
         throw FailureOnAll(ranks_of(comm).rank == 0 ? mesh.name() + ": the ranks have different meshes" : "");
 }
 
-/// The bytes of the part of this rank's region, for DistanceTransform::from_part(). `whole` is needed on rank 0 alone.
+/// The bytes of the part of this rank's region, for DistanceTransform::from_part(). Rank 0 alone needs the transform.
 std::vector<std::byte> part_of_rank(MPI_Comm comm, const clsdf::DistanceTransform* whole, const clsdf::Region& region) {
     constexpr std::size_t piece = std::size_t{1} << 30;  // a count of MPI is an int
     constexpr int bytes_of_region = sizeof(clsdf::Region);
