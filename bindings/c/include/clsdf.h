@@ -1172,11 +1172,11 @@ CLSDF_API clsdf_status clsdf_scene_has_sign(const clsdf_scene* scene, int32_t* h
 CLSDF_API clsdf_status clsdf_scene_box(const clsdf_scene* scene, clsdf_box* box);
 /* The memory that is kept of all meshes. */
 CLSDF_API clsdf_status clsdf_scene_memory(const clsdf_scene* scene, clsdf_kept_memory* memory);
-/* The outer surface of the bodies that are on, where they are: faces are cut where bodies meet, and what lies in another
- * body is left out. Distances to this mesh are those to the union, within overlaps, too, where those of the scene are only
- * a lower bound of the depth. It is made anew by each call: for bodies at rest. The index base is the scene's; of `call`,
- * which may be null, should_stop counts; `report`, which may be null, counts triangles of the bodies' own outer surfaces.
- * CLSDF_UNSUPPORTED if a body has no outer surface, as an open one. */
+/* The outer surface of the bodies that are on, where they are: faces are cut where bodies meet, and what lies in
+ * another body is left out. Distances to this mesh are those to the union, within overlaps, too, where those of the
+ * scene are only a lower bound of the depth. It is made anew by each call: for bodies at rest. The index base is the
+ * scene's; of `call`, which may be null, should_stop counts; `report`, which may be null, counts triangles of the
+ * bodies' own outer surfaces. CLSDF_UNSUPPORTED if a body has no outer surface, as an open one. */
 CLSDF_API clsdf_status clsdf_scene_outer(const clsdf_scene* scene, const clsdf_call_options* call, clsdf_mesh** outer,
                                          clsdf_outer_report* report);
 

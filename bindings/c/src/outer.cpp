@@ -40,7 +40,8 @@ clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, std::int32_t sign, const c
     return made(outer_mesh, "outer", [&] {
         const clsdf_mesh& self = of(mesh);
         c::check_result(report, "clsdf_outer_report");
-        return mesh_of(outer(self.mesh, c::sign_rule_of(sign, "sign"), c::Call(call)), self.index_base, report).release();
+        return mesh_of(outer(self.mesh, c::sign_rule_of(sign, "sign"), c::Call(call)), self.index_base, report)
+            .release();
     });
 }
 
