@@ -43,7 +43,8 @@ int main(int argc, char** argv) {
     const clsdf::Mesh link = clsdf::make_shape(argc > 4 ? argv[4] : "sphere4");
     const double length = 2 * link.box().longest_side() / 3;
 
-    clsdf::Scene scene(clsdf::Device::automatic());
+    const clsdf::Device device = clsdf::Device::automatic();
+    clsdf::Scene scene(device);
     const std::uint32_t first = scene.add(link);
     for (std::size_t i = 1; i < links; ++i) scene.add_instance(first);  // which shares the mesh
 
@@ -77,9 +78,19 @@ int main(int argc, char** argv) {
             ++near;
         }
     }
+    // At rest: the union itself, whose depth is exact where links overlap, too.
+    const clsdf::SceneSurface surface = scene.outer();
+    const clsdf::DistanceTransform of_union(device, surface.surface.mesh);
+    std::vector<float> depth(count);
+    of_union.query(points, length, {{Output::distance, depth}});
+    for (std::size_t i = 0; i < count; ++i)
+        if (distance[i] > 0) largest = std::max(largest, static_cast<double>(std::abs(depth[i] - distance[i])));
+
     const double of_steps = static_cast<double>(steps > 1 ? steps - 1 : 1);
     std::printf("%zu links of %zu triangles, %zu points: %zu have a link within %g in %zu steps\n", links,
                 link.triangles().size(), count, near, length, steps);
+    std::printf("the arm has %zu triangles without what lies in other links, and a volume of %g\n",
+                surface.surface.mesh.triangles().size(), surface.surface.volume);
     std::printf("%.3f ms a step, %.3f ms of processor time\n", 1e3 * seconds / of_steps,
                 1e3 * processor_seconds / of_steps);
     return near > 0 && largest < 1e-5 * length ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -1,4 +1,5 @@
-# Runs PROGRAM, example_mesh_on_ranks, with 1, 2 and 4 ranks: the fields are equal, and each rank has its share of the device.
+# Runs PROGRAM, example_mesh_on_ranks, with 1, 2 and 4 ranks: the fields are equal, also those of parts, and each rank has its
+# share of the device.
 # Then ranks fail, and mpirun ends with a message. RUN_RANKS: cmake/RunRanks.cmake.
 include(${RUN_RANKS})
 
@@ -10,6 +11,12 @@ foreach(ranks 1 2 4)
   endif()
   if(NOT line OR NOT line STREQUAL expected)
     message(FATAL_ERROR "'${line}', not '${expected}': the field depends on the number of ranks")
+  endif()
+
+  string(REGEX MATCHALL "a part of [1-9][0-9]* bytes" parts "${output}")
+  list(LENGTH parts count)
+  if(NOT count EQUAL ranks)
+    message(FATAL_ERROR "${count} of ${ranks} ranks have a part")
   endif()
 
   string(REGEX MATCHALL "with [0-9]+ compute units of a [a-z]+" shares "${output}")

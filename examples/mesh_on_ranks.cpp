@@ -1,6 +1,7 @@
 // One mesh on all ranks of a parallel program (MPI): rank 0 reads it and sends it. Ranks that hold another mesh are
 // found out, each rank takes its share of the machine, one rank of a node compiles while the others wait, and an error
-// on one rank ends all of them with a message. docs/parallel.md explains the parts.
+// on one rank ends all of them with a message. Then the same field by parts that rank 0 prepares and sends, so that no
+// other rank needs the mesh. docs/parallel.md explains all of it.
 //
 // mpirun -n 4 example_mesh_on_ranks [MESH [FAULT]]
 //
@@ -101,6 +102,43 @@ void check_is_the_same(MPI_Comm comm, const clsdf::Mesh& mesh) {
         throw FailureOnAll(ranks_of(comm).rank == 0 ? mesh.name() + ": the ranks have different meshes" : "");
 }
 
+/// The bytes of the part of this rank's region, for DistanceTransform::from_part(). Rank 0 alone needs the transform.
+std::vector<std::byte> part_of_rank(MPI_Comm comm, const clsdf::DistanceTransform* whole, const clsdf::Region& region) {
+    constexpr std::size_t piece = std::size_t{1} << 30;  // a count of MPI is an int
+    constexpr int bytes_of_region = sizeof(clsdf::Region);
+    const Ranks own = ranks_of(comm);
+    std::vector<clsdf::Region> regions(static_cast<std::size_t>(own.rank == 0 ? own.ranks : 0));
+    MPI_Gather(&region, bytes_of_region, MPI_BYTE, regions.data(), bytes_of_region, MPI_BYTE, 0, comm);
+    std::vector<std::byte> bytes;
+    std::string message;
+    // One part after the other is in memory, that of rank 0 last. After an error the others get none.
+    for (int rank = own.ranks - 1; own.rank == 0 && rank >= 0; --rank) {
+        try {
+            bytes.clear();
+            if (message.empty()) bytes = whole->restrict_to(regions[static_cast<std::size_t>(rank)]).part_bytes();
+        } catch (const std::exception& error) {
+            message = error.what();
+        }
+        if (rank == 0) break;
+        std::uint64_t size = bytes.size();
+        MPI_Send(&size, 1, MPI_UINT64_T, rank, 0, comm);
+        for (std::size_t at = 0; at < size; at += piece)
+            MPI_Send(bytes.data() + at, static_cast<int>(std::min(piece, size - at)), MPI_BYTE, rank, 0, comm);
+    }
+    if (own.rank > 0) {
+        std::uint64_t size = 0;
+        MPI_Recv(&size, 1, MPI_UINT64_T, 0, 0, comm, MPI_STATUS_IGNORE);
+        bytes.resize(size);
+        for (std::size_t at = 0; at < size; at += piece)
+            MPI_Recv(bytes.data() + at, static_cast<int>(std::min(piece, size - at)), MPI_BYTE, 0, 0, comm,
+                     MPI_STATUS_IGNORE);
+    }
+    on_all(comm, [&] {
+        if (!message.empty()) throw std::runtime_error(message);
+    });
+    return bytes;
+}
+
 /// For tests.
 void fail(const std::string& fault, clsdf::Mesh& mesh) {
     if (fault == "throw") throw clsdf::Error(clsdf::ErrorCode::out_of_memory, "a failure of one rank");
@@ -148,6 +186,18 @@ void run(const std::string& path, const std::string& fault) {
         if (node.rank == 0) transform->compile(part, band);
     });
     on_all(MPI_COMM_WORLD, [&] { transform->compute(part, band, distance); });
+
+    // The same by a part of the mesh. A program whose ranks take parts makes a transform of the mesh on rank 0 alone.
+    if (world.rank != 0) transform.reset();
+    const clsdf::Region region{part.box(), band.outside, whole.voxel()};
+    const std::vector<std::byte> bytes = part_of_rank(MPI_COMM_WORLD, transform ? &*transform : nullptr, region);
+    transform.reset();
+    on_all(MPI_COMM_WORLD, [&] {
+        std::vector<float> again(part.sample_count());
+        clsdf::DistanceTransform::from_part(*device, bytes).compute(part, band, again);
+        if (again != distance) throw std::runtime_error("the field of the part is not that of the mesh");
+    });
+    std::printf("rank %d: a part of %zu bytes\n", world.rank, bytes.size());
 
     std::uint64_t inside = 0;
     if (end > begin)

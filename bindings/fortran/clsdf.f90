@@ -494,6 +494,7 @@ module clsdf
     procedure :: close_down => mesh_close_down
     procedure :: outer => mesh_outer
     procedure :: given_faces => mesh_given_faces
+    procedure :: given_bodies => mesh_given_bodies
     procedure :: fractions => mesh_fractions
     procedure :: fraction_arrays => mesh_fraction_arrays
     procedure :: write => mesh_write
@@ -661,6 +662,7 @@ module clsdf
     procedure :: has_sign => scene_has_sign
     procedure :: box => scene_box
     procedure :: memory => scene_memory
+    procedure :: outer => scene_outer
     procedure :: compute => scene_compute
     procedure :: compute_field => scene_compute_field
     procedure, private :: scene_query_targets, scene_query_r4, scene_query_r8
@@ -1515,6 +1517,13 @@ module clsdf
       type(c_ptr), intent(out) :: faces
       integer(c_int64_t), intent(out) :: count
     end function
+    function c_mesh_given_bodies(mesh, bodies, count) bind(C, name="clsdf_mesh_given_bodies") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(c_ptr), intent(out) :: bodies
+      integer(c_int64_t), intent(out) :: count
+    end function
     function c_mesh_write(mesh, path, colours, colour_count) bind(C, name="clsdf_mesh_write") result(value)
       import
       integer(c_int32_t) :: value
@@ -1943,6 +1952,13 @@ module clsdf
       integer(c_int32_t) :: value
       type(c_ptr), value :: scene
       type(clsdf_kept_memory), intent(inout) :: memory
+    end function
+    function c_scene_outer(scene, call, outer, report) bind(C, name="clsdf_scene_outer") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, call
+      type(c_ptr), intent(out) :: outer
+      type(clsdf_outer_report), intent(inout) :: report
     end function
     function c_scene_compute(scene, grid, band, targets, target_count, call, statistics) &
         bind(C, name="clsdf_scene_compute") result(value)
@@ -4175,18 +4191,41 @@ contains
     integer(c_int32_t), allocatable, intent(out) :: faces(:)
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
-    integer(c_int32_t), pointer :: from_0(:)
     type(c_ptr) :: first
     integer(c_int64_t) :: count
     integer(c_int32_t) :: status
     status = c_mesh_given_faces(self%handle, first, count)
+    call numbers_from_1(status, first, count, faces)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The same for a mesh of scene%outer(): the body of each triangle, from 1; the faces count within its mesh.
+  subroutine mesh_given_bodies(self, bodies, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    integer(c_int32_t), allocatable, intent(out) :: bodies(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr) :: first
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    status = c_mesh_given_bodies(self%handle, first, count)
+    call numbers_from_1(status, first, count, bodies)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> A copy of numbers that count from 0 in C; empty after an error.
+  subroutine numbers_from_1(status, first, count, numbers)
+    integer(c_int32_t), intent(in) :: status
+    type(c_ptr), intent(in) :: first
+    integer(c_int64_t), intent(in) :: count
+    integer(c_int32_t), allocatable, intent(out) :: numbers(:)
+    integer(c_int32_t), pointer :: from_0(:)
     if (status == CLSDF_OK .and. count > 0) then
       call c_f_pointer(first, from_0, [count])
-      faces = from_0 + 1
+      numbers = from_0 + 1
     else
-      allocate (faces(0))
+      allocate (numbers(0))
     end if
-    call clsdf_finish(status, stat, errmsg)
   end subroutine
 
   !> Writes by the file's ending, complete or not at all. colours(3, triangles): red, green, blue, as unsigned bytes.
@@ -5774,6 +5813,27 @@ contains
     memory%struct_size = c_sizeof(memory) + 1  ! calls fill it
     call clsdf_finish(c_scene_memory(self%handle, memory), stat, errmsg)
   end function
+
+  !> The outer surface of the bodies that are on, where they are: faces are cut where bodies meet, and what lies in
+  !> another body is left out. It is made anew by each call. report: counts triangles of the bodies' own outer surfaces.
+  subroutine scene_outer(self, outer, report, options, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    type(clsdf_mesh), intent(inout) :: outer
+    type(clsdf_outer_report), intent(out), optional :: report
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    type(clsdf_outer_report) :: found
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    found%struct_size = c_sizeof(found) + 1  ! calls fill it
+    status = c_scene_outer(self%handle, options_for_c(given, options), handle, found)
+    if (present(report)) report = found
+    call outer%release()
+    outer%handle = handle
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
 
   !> As transform%compute(): the least of the bodies' signed distances, with the outputs of the body that has it, and
   !> CLSDF_BODY.

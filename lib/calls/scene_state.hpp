@@ -152,6 +152,9 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     /// The transform of the step's members, with its bodies selected, until that of another step is asked for.
     const DistanceTransform& joined_at(const FieldStep& step);
 
+    // scene_outer.cpp
+    SceneSurface outer(const CallOptions& call) const;
+
     // scene_queries.cpp
     class Call;
     /// frames: of all bodies for each configuration, or nothing for the poses that they have. half_widths: one, or one

@@ -1,6 +1,6 @@
 # They look at pictures, too.
 if(TARGET clsdf_command AND CLSDF_BUILD_PICTURE)
-  set(sources bench command compute devices documents exit_status fractions info interruption links memory method polyhedra progress query rays render slice
+  set(sources bench command compute devices documents exit_status fractions info interruption links memory method part polyhedra progress query rays render slice
               standard_streams warnings)
   list(TRANSFORM sources APPEND .cpp)
   clsdf_test(command ${sources} LABELS command LINK clsdf::papers AS_GPU)

@@ -79,7 +79,7 @@ set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hp
                    segments.hpp sparse.hpp topology.hpp tuning.hpp version.hpp)
 set(face_of_plans link_plan.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
 set(face clsdf.hpp distance_transform.hpp scene.hpp)
-set(beside cuda.hpp eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp picture.hpp reference.hpp)
+set(beside cuda.hpp eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp part_files.hpp picture.hpp reference.hpp)
 foreach(list public_of_core face_of_plans face beside)
   list(TRANSFORM ${list} PREPEND clsdf/)
 endforeach()

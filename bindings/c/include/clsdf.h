@@ -809,6 +809,8 @@ CLSDF_API clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, int32_t sign, co
 /* The number of the face as given that each triangle of a mesh of clsdf_mesh_outer() is a part of, from 0 whatever the
  * index base, in the mesh's own memory, as long as it lives; 0 numbers for other meshes. */
 CLSDF_API clsdf_status clsdf_mesh_given_faces(const clsdf_mesh* mesh, const uint32_t** faces, int64_t* count);
+/* The same for a mesh of clsdf_scene_outer(): the body of each triangle, from 0; the faces count within its mesh. */
+CLSDF_API clsdf_status clsdf_mesh_given_bodies(const clsdf_mesh* mesh, const uint32_t** bodies, int64_t* count);
 
 /* Times (wall-clock seconds of the host) and memory of a call. */
 typedef struct clsdf_statistics {
@@ -1170,6 +1172,13 @@ CLSDF_API clsdf_status clsdf_scene_has_sign(const clsdf_scene* scene, int32_t* h
 CLSDF_API clsdf_status clsdf_scene_box(const clsdf_scene* scene, clsdf_box* box);
 /* The memory that is kept of all meshes. */
 CLSDF_API clsdf_status clsdf_scene_memory(const clsdf_scene* scene, clsdf_kept_memory* memory);
+/* The outer surface of the bodies that are on, where they are: faces are cut where bodies meet, and what lies in
+ * another body is left out. Distances to this mesh are those to the union, within overlaps, too, where those of the
+ * scene are only a lower bound of the depth. It is made anew by each call: for bodies at rest. The index base is the
+ * scene's; of `call`, which may be null, should_stop counts; `report`, which may be null, counts triangles of the
+ * bodies' own outer surfaces. CLSDF_UNSUPPORTED if a body has no outer surface, as an open one. */
+CLSDF_API clsdf_status clsdf_scene_outer(const clsdf_scene* scene, const clsdf_call_options* call, clsdf_mesh** outer,
+                                         clsdf_outer_report* report);
 
 /* As clsdf_compute() and clsdf_compute_field(): the least of the bodies' signed distances, with the outputs of the body
  * that has it, and CLSDF_BODY, which count from index_base. A sample in the depth of a body, beyond its band, is beyond

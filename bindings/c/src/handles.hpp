@@ -105,7 +105,8 @@ struct clsdf_mesh : clsdf::c::Counted<clsdf_mesh> {
     static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::mesh;
     clsdf::Mesh mesh;
     std::int32_t index_base;
-    std::vector<std::uint32_t> given_faces{};  // of an outer surface
+    std::vector<std::uint32_t> given_faces{};   // of an outer surface
+    std::vector<std::uint32_t> given_bodies{};  // of that of a scene
 
     explicit clsdf_mesh(clsdf::Mesh mesh_in, std::int32_t index_base_in = 0)
         : mesh(std::move(mesh_in)), index_base(index_base_in) {}

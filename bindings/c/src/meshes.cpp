@@ -74,25 +74,6 @@ clsdf_status clsdf_mesh_close_down(const clsdf_mesh* mesh, double floor, clsdf_m
     });
 }
 
-clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, std::int32_t sign, const clsdf_call_options* call,
-                              clsdf_mesh** outer_mesh, clsdf_outer_report* report) {
-    return made(outer_mesh, "outer", [&] {
-        const clsdf_mesh& self = of(mesh);
-        c::check_result(report, "clsdf_outer_report");
-        OuterSurface found = outer(self.mesh, c::sign_rule_of(sign, "sign"), c::Call(call));
-        const clsdf_outer_report result{sizeof result,
-                                        static_cast<std::int64_t>(found.whole_faces),
-                                        static_cast<std::int64_t>(found.partial_faces),
-                                        static_cast<std::int64_t>(found.hidden_faces),
-                                        found.volume,
-                                        found.area};
-        c::write_struct(result, report, "clsdf_outer_report");
-        auto handle = std::make_unique<clsdf_mesh>(std::move(found.mesh), self.index_base);
-        handle->given_faces = std::move(found.faces);
-        return handle.release();
-    });
-}
-
 clsdf_status clsdf_mesh_describe_weld(const clsdf_mesh* mesh, const clsdf_mesh* welded, clsdf_weld_report* report,
                                       char* warning, std::int64_t size, std::int64_t* length) {
     return guarded([&] {
@@ -181,14 +162,6 @@ clsdf_status clsdf_mesh_group_numbers(const clsdf_mesh* mesh, const std::uint32_
     return guarded([&] {
         const std::vector<std::uint32_t>& from = of(mesh).mesh.groups().numbers;
         if (numbers != nullptr) *numbers = from.data();
-        if (count != nullptr) *count = static_cast<std::int64_t>(from.size());
-    });
-}
-
-clsdf_status clsdf_mesh_given_faces(const clsdf_mesh* mesh, const std::uint32_t** faces, std::int64_t* count) {
-    return guarded([&] {
-        const std::vector<std::uint32_t>& from = of(mesh).given_faces;
-        if (faces != nullptr) *faces = from.data();
         if (count != nullptr) *count = static_cast<std::int64_t>(from.size());
     });
 }

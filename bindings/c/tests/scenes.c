@@ -40,7 +40,10 @@ int main(void) {
     clsdf_kept_memory memory = CLSDF_KEPT_MEMORY_INIT;
     clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
     clsdf_device* device = NULL;
-    clsdf_mesh* mesh = NULL;
+    clsdf_mesh *mesh = NULL, *outer = NULL;
+    clsdf_outer_report report = CLSDF_OUTER_REPORT_INIT;
+    const uint32_t *faces_of_outer, *bodies_of_outer;
+    int64_t count_of_bodies;
     clsdf_scene* scene = NULL;
     clsdf_pose pose, poses[2];
     clsdf_target targets[3];
@@ -78,6 +81,15 @@ int main(void) {
     OK(clsdf_scene_sign(scene, 2, &flag));
     CHECK(flag == CLSDF_SIGN_NONZERO);
     OK(clsdf_scene_memory(scene, &memory));
+    OK(clsdf_scene_outer(scene, NULL, &outer, &report));
+    CHECK(is_near(report.volume, 14) && report.hidden_faces >= 4);
+    OK(clsdf_mesh_given_faces(outer, &faces_of_outer, &count));
+    OK(clsdf_mesh_given_bodies(outer, &bodies_of_outer, &count_of_bodies));
+    CHECK(count > 0 && count_of_bodies == count && bodies_of_outer[0] == 0 && bodies_of_outer[count - 1] == 1);
+    for (i = 0; i < count; ++i) CHECK(faces_of_outer[i] < 12);
+    OK(clsdf_mesh_given_bodies(mesh, NULL, &count));
+    CHECK(count == 0);
+    clsdf_mesh_release(outer);
 
     OK(query(scene, &points[0][0], 4, HUGE_VAL, distance, bodies, own));
     CHECK(is_near(distance[0], 2) && is_near(distance[1], -0.3) && is_near(distance[2], -0.6) &&

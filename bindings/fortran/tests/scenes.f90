@@ -5,7 +5,9 @@ program scenes
   use test
   implicit none
   type(clsdf_device) :: device
-  type(clsdf_mesh) :: mesh
+  type(clsdf_mesh) :: mesh, outer
+  type(clsdf_outer_report) :: report
+  integer(c_int32_t), allocatable :: bodies_of_outer(:)
   type(clsdf_scene) :: scene, other
   type(clsdf_transform) :: transform
   type(clsdf_pose) :: poses(3), pose
@@ -38,10 +40,16 @@ program scenes
   call check(body == 1, 'the first body')
   call scene%add_instance(1_8, body)
   call check(body == 2, 'an instance')
+  call scene%outer(outer, report=report)
+  call outer%given_bodies(bodies_of_outer)
+  call check(size(bodies_of_outer) == 4 .and. all(bodies_of_outer == 1), 'the outer surface of two equal bodies')
+  call check(report%volume > 0 .and. report%hidden_faces == 4, 'its report')
   pose%translation = [9d0, 0d0, 0d0]
   call scene%add(mesh, body, pose=pose, sign=CLSDF_SIGN_NONE)
   call check(body == 3 .and. scene%size() == 3 .and. scene%has_sign(), 'three bodies')
   call check(scene%sign(1_8) == CLSDF_SIGN_NONZERO .and. scene%sign(3_8) == CLSDF_SIGN_NONE, 'the rules')
+  call scene%outer(outer, stat=stat, errmsg=errmsg)
+  call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'body 2')
   memory = scene%memory()
   call check(memory%host_bytes >= 0, 'the memory')
 

@@ -26,7 +26,7 @@ from ._fractions import Fractions, fractions
 from ._links import Crossings, EdgeCrossings, Links, stencil
 from ._pictures import Picture, slice_picture
 from ._plan import LinkPlan, Plan, PointPlan, PointStatus, SparsePlan
-from ._scene import Scene, ScenePoints
+from ._scene import Scene, ScenePoints, SceneSurface
 from ._shared import SharedArray
 from ._sparse import SparseField, read_sparse_field
 from ._transform import BoxPlace, Rays, Region, Request, Transform
@@ -84,6 +84,7 @@ __all__ = [
     "Request",
     "Scene",
     "ScenePoints",
+    "SceneSurface",
     "SharedArray",
     "SparseField",
     "SparsePlan",

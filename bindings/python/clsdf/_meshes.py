@@ -299,11 +299,15 @@ def outer(mesh: MeshLike, sign: str = "auto") -> OuterSurface:
     sign: 'auto', 'nonzero' or 'parity'. Raises clsdf.Error: unsupported if the mesh has another rule; invalid_mesh if it
     does not meet the rule, or if nothing is inside. Uses all cores, without the GIL. mesh: as for mesh_hash()."""
     vertices, faces, name = arrays_of(mesh)
-    own_vertices, own_faces, given, *counts = _core.outer(vertices, faces, sign)
-    surface = Mesh(own_vertices, own_faces, name=name)
+    surface = surface_of(_core.outer(vertices, faces, sign), name)
     if isinstance(mesh, Mesh) and mesh.groups.numbers.size:
-        surface.groups = Groups(mesh.groups.names, mesh.groups.numbers[given])
-    return OuterSurface(surface, given, *counts)
+        surface.mesh.groups = Groups(mesh.groups.names, mesh.groups.numbers[surface.faces])
+    return surface
+
+
+def surface_of(found: tuple[Any, ...], name: str) -> OuterSurface:
+    vertices, faces, *rest = found
+    return OuterSurface(Mesh(vertices, faces, name=name), *rest)
 
 
 def _normals_of(vertices: npt.NDArray[Any], faces: npt.NDArray[Any]) -> Iterator[tuple[npt.NDArray[Any], npt.NDArray[Any]]]:

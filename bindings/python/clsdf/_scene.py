@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,14 @@ class ScenePoints(Points):
     def is_own(self) -> npt.NDArray[np.bool_]:
         """Whether the distance is that of the union of the bodies; else the union's surface may be farther away."""
         return self._array("is_own")
+
+
+class SceneSurface(NamedTuple):
+    """The outer surface of the bodies of a scene: the boundary of what is inside at least one of them."""
+
+    #: faces: within the mesh of their body; whole_faces and the like: of the faces of the bodies' own outer surfaces
+    surface: _meshes.OuterSurface
+    bodies: npt.NDArray[np.uint32]  #: (m,): of each face of surface.mesh
 
 
 def _numbers(what: str, values: Any, shape: tuple[int, ...] | None) -> npt.NDArray[np.float64]:
@@ -309,6 +317,17 @@ class Scene(WithFields):
         found = np.empty(_cuda.shape_of(points)[0], np.uint8)
         self._body.contains(points, found)
         return found.view(np.bool_).reshape(shape)
+
+    def outer(self) -> SceneSurface:
+        """The outer surface of the bodies that are on, where they are: faces are cut where bodies meet, and what lies in
+        another body is left out. A Transform of surface.mesh has the distance to the union, within overlaps, too, where
+        the scene's is only a lower bound of the depth; clsdf.fractions(surface, ...) counts once what is in several.
+        It is made anew by each call, in time that grows with the bodies' faces: for bodies at rest.
+
+        Raises clsdf.Error: unsupported if a body has no outer surface, as an open one, which the message names;
+        invalid_argument if no body is on. Uses all cores, without the GIL."""
+        found, bodies = self._body.outer()
+        return SceneSurface(_meshes.surface_of(found, "bodies"), bodies)
 
     def classify(self, boxes: Any, half_width: float) -> npt.NDArray[np.uint8]:
         """The place of each box (n, 2, 3), as numbers of clsdf.BoxPlace: INSIDE if it is inside one of the bodies,

@@ -2,6 +2,7 @@
 
 /// Shared by all files of the binding: nanobind, its casters, and the parts that the module is made of.
 #include <clsdf/clsdf.hpp>
+#include <clsdf/outer.hpp>
 
 #include "triples.hpp"
 
@@ -61,6 +62,9 @@ void check_process();
 /// False in such a process: objects of the device are left alone there, since their destructors wait for threads that
 /// do not exist.
 bool is_process_of_devices() noexcept;
+
+/// Vertices, faces, the faces as given, and the numbers, in the order of clsdf.OuterSurface.
+nb::tuple tuple_of(OuterSurface surface);
 
 /// The value of an enumeration whose name_of() is the text.
 template <typename Value>

@@ -80,11 +80,7 @@ auto outer_of(nb::handle vertices, nb::handle faces, const std::string& sign) {
     const SignRule rule = value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity});
     const Call call;
     auto surface = with_mesh(vertices, faces, [&](const Mesh& mesh) { return outer(mesh, rule, call.options()); });
-    const std::size_t count = surface.faces.size();
-    auto faces_of = array_in<nb::ndarray<nb::numpy, std::uint32_t, nb::shape<-1>>>(std::move(surface.faces), {count});
-    const auto [own_vertices, own_faces] = arrays_of(surface.mesh);
-    return nb::make_tuple(own_vertices, own_faces, faces_of, surface.whole_faces, surface.partial_faces,
-                          surface.hidden_faces, surface.volume, surface.area);
+    return tuple_of(std::move(surface));
 }
 
 // A NumPy array that owns its values: of each cell so many, which values(cell, n) tells.
@@ -242,6 +238,14 @@ Topology topology_of(const TopologyState& state) {
 }
 
 }  // namespace
+
+nb::tuple tuple_of(OuterSurface surface) {
+    const std::size_t count = surface.faces.size();
+    auto faces = array_in<nb::ndarray<nb::numpy, std::uint32_t, nb::shape<-1>>>(std::move(surface.faces), {count});
+    const auto [own_vertices, own_faces] = arrays_of(surface.mesh);
+    return nb::make_tuple(own_vertices, own_faces, faces, surface.whole_faces, surface.partial_faces,
+                          surface.hidden_faces, surface.volume, surface.area);
+}
 
 void add_meshes(nb::module_& module) {
     nb::class_<Topology>(

@@ -167,6 +167,14 @@ void winding(const Bodies& bodies, nb::handle points, nb::handle results) {
     arrays.end();
 }
 
+auto outer_of(const Bodies& bodies) {
+    const Call call;
+    SceneSurface found = bodies.read([&](const Scene& scene) { return scene.outer(call.options()); });
+    const std::size_t count = found.bodies.size();
+    auto numbers = array_in<nb::ndarray<nb::numpy, std::uint32_t, nb::shape<-1>>>(std::move(found.bodies), {count});
+    return nb::make_tuple(tuple_of(std::move(found.surface)), numbers);
+}
+
 /// A property of the scene, or of a body by its number.
 template <auto member, typename... Number>
 auto read(const Bodies& bodies, Number... body) {
@@ -198,6 +206,7 @@ void add_scenes(nb::module_& module) {
         .def("contains", &contains, nb::arg("points"), nb::arg("results"))
         .def("winding", &winding, nb::arg("points"), nb::arg("results"))
         .def("classify", &classify<Scene>, nb::arg("boxes"), nb::arg("half_width"))
+        .def("outer", &outer_of)
         .def("size", &read<&Scene::size>)
         .def("is_active", &read<&Scene::is_active, std::uint32_t>, nb::arg("body"))
         .def(

@@ -290,3 +290,25 @@ def test_configurations_and_each_body(random):
     poses[3, 1, 0, 0] = 2
     with pytest.raises(clsdf.Error, match="body 1 in configuration 3"):
         scene.query_poses(points, poses)
+
+
+def test_the_outer_surface_of_a_scene_is_that_of_the_union(random):
+    scene = clsdf.Scene()
+    scene.add(*cube(1.0))
+    scene.add_instance(0, pose_of(turned(0.5, (1, 2, 3)), (1.2, 0.3, 0.2)))
+    points = random.uniform(-2, 3, (2000, 3))
+    of_scene = scene.query(points, "is_own", dtype="float64")
+    surface, bodies = scene.outer()
+    union = clsdf.Transform(surface.mesh)
+    depth = union.query(points, dtype="float64").distance
+    own = of_scene.is_own
+    assert np.allclose(depth[own], of_scene.distance[own], atol=1e-12)
+    assert (depth[~own] <= of_scene.distance[~own] + 1e-12).all() and (depth[~own] < of_scene.distance[~own] - 1e-3).any()
+    assert set(bodies) == {0, 1} and bodies.shape == surface.faces.shape and surface.faces.max() < 12
+    assert 8 < surface.volume < 16 and np.isclose(union.volume, surface.volume)
+    grid = union.grid(resolution=20, margin=0.1)
+    cells = clsdf.fractions(surface, grid)
+    assert np.isclose(cells.dense().sum() * np.prod(grid.spacing), surface.volume, rtol=1e-12)
+    with pytest.raises(clsdf.Error, match="body 2"):
+        scene.add([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+        scene.outer()

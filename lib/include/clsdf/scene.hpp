@@ -2,6 +2,7 @@
 
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/export.hpp>
+#include <clsdf/outer.hpp>
 
 #include <array>
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace clsdf {
 
@@ -45,6 +47,14 @@ struct SceneTargets {
     /// 1 if the distance is that of the union of the bodies, or the half width and the union's is not less, else 0:
     /// then the union's surface may be farther away (docs/scenes.md).
     std::span<std::uint8_t> is_own{};
+};
+
+/// The outer surface of the bodies of a scene: the boundary of what is inside at least one of them.
+struct SceneSurface {
+    /// `faces`: within the mesh of their body. whole_faces and the like: of the triangles of the bodies' own outer
+    /// surfaces.
+    OuterSurface surface;
+    std::vector<std::uint32_t> bodies;  ///< of each triangle of surface.mesh
 };
 
 /// Many bodies, each a mesh with its own sign rule and pose: points among them, and fields of all of them.
@@ -113,6 +123,14 @@ public:
     Box box() const;
     /// The memory that is kept of all meshes.
     KeptMemory memory() const;
+
+    /// The outer surface of the bodies that are on, where they are: faces are cut where bodies meet, and what lies in
+    /// another body is left out, as by clsdf::outer() of each body and then of all. Distances to this mesh are those to
+    /// the union, within overlaps, too, where those of the scene are only a lower bound of the depth; fractions() of it
+    /// are those of the union. It is made anew by each call, in time that grows with the bodies' faces: for bodies at
+    /// rest, not for each step of many. Of `call`, should_stop counts. Throws Error(invalid_argument) if no body is on,
+    /// and the errors of outer(), which name the body; in particular Error(unsupported) for an open one.
+    SceneSurface outer(const CallOptions& call = {}) const;
 
     // Fields. All throw Error(invalid_argument) if there is no body that is on.
 

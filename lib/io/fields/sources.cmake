@@ -18,6 +18,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/nvdb_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nvdb_tree.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nvdb_write.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/part_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sdf.cpp
           ${CMAKE_CURRENT_LIST_DIR}/segment_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sparse_files.cpp

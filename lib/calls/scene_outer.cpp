@@ -1,0 +1,76 @@
+// The outer surface of the bodies of a scene.
+#include "calls/scene_state.hpp"
+#include "calls/transform_access.hpp"
+#include "calls/transform_state.hpp"
+#include "core/call_mutex.hpp"
+#include "mesh/vertices.hpp"
+
+#include <clsdf/outer.hpp>
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace clsdf {
+
+namespace {
+
+/// The outer surface of a body alone: closed, and its faces look outwards.
+OuterSurface outer_of_body(const Mesh& mesh, SignRule sign, std::uint32_t body, const CallOptions& call) {
+    try {
+        return outer(mesh, sign, call);
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("body {}: {}", body, error.what()));
+    }
+}
+
+}  // namespace
+
+SceneSurface Scene::State::outer(const CallOptions& call) const {
+    require_bodies();
+    std::map<const Shape*, OuterSurface> surfaces;  // of bodies alone; instances share one
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    std::vector<std::uint32_t> numbers, faces;  // of each triangle
+    for (std::uint32_t number = 0; number < bodies.size(); ++number) {
+        const Body& body = bodies[number];
+        if (!body.is_active) continue;
+        auto found = surfaces.find(body.shape);
+        if (found == surfaces.end()) {
+            auto& of_shape = detail::TransformAccess::state(body.shape->transform);
+            const Mesh mesh = [&] {
+                const std::scoped_lock lock(of_shape.mutex);
+                return of_shape.kept_mesh->mesh();
+            }();
+            found = surfaces.emplace(body.shape, outer_of_body(mesh, body.shape->asked, number, call)).first;
+        }
+        const OuterSurface& own = found->second;
+        const auto first = static_cast<std::uint32_t>(vertices.size());
+        const std::vector<Vec3> moved =
+            engine::Vertices::moved(own.mesh.vertices(), body.frame.rotation, body.frame.translation);
+        vertices.insert(vertices.end(), moved.begin(), moved.end());
+        for (const Triangle& triangle : own.mesh.triangles())
+            triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
+        numbers.insert(numbers.end(), own.faces.size(), number);
+        faces.insert(faces.end(), own.faces.begin(), own.faces.end());
+    }
+    surfaces.clear();
+    SceneSurface result{
+        clsdf::outer(Mesh(std::move(vertices), std::move(triangles), "bodies"), SignRule::nonzero, call), {}};
+    result.bodies.reserve(result.surface.faces.size());
+    for (std::uint32_t& face : result.surface.faces) {
+        result.bodies.push_back(numbers[face]);
+        face = faces[face];
+    }
+    return result;
+}
+
+SceneSurface Scene::outer(const CallOptions& call) const {
+    return with_host_memory("for the outer surface", [&] { return state().outer(call); });
+}
+
+}  // namespace clsdf
