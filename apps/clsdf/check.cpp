@@ -180,7 +180,8 @@ ExitStatus run(const Options& options, Report& report) {
     if (options.points.are_given()) {
         std::vector<std::string> files{options.mesh};
         files.insert(files.end(), options.more.begin(), options.more.end());
-        return check_points(options.points, files, options.reading, options.positive_inside, options.floor, report);
+        return check_points(options.points, files, options.reading, options.positive_inside, options.floor,
+                            parse_surface(options.surface), report);
     }
     if (options.more.empty())
         throw clsdf::Error(clsdf::ErrorCode::invalid_argument,

@@ -5,6 +5,7 @@
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/outer.hpp>
 #include <clsdf/reference.hpp>
 
 #include <fmt/format.h>
@@ -93,7 +94,11 @@ void add_options_of_points(Parser& parser, PointsToCheck& points) {
     parser.begin_group("Results at points");
     parser
         .add("--points", points.points, "judge results of any program at these points, not a field: .npy, .csv or .ply")
-        .takes("POINTS");
+        .takes("POINTS")
+        .excludes("--samples")
+        .excludes("--complete")
+        .excludes("--seed")
+        .excludes("--tolerance-voxels");
     parser.add("--distances", points.distances, "a number for each point, .npy, or .csv with the column distance")
         .takes("FILE")
         .needs("--points");
@@ -118,7 +123,8 @@ void add_options_of_points(Parser& parser, PointsToCheck& points) {
 }
 
 ExitStatus check_points(const PointsToCheck& given, const std::vector<std::string>& meshes, const MeshReading& reading,
-                        bool positive_inside, const std::optional<double>& floor, Report& report) {
+                        bool positive_inside, const std::optional<double>& floor, clsdf::Surface surface,
+                        Report& report) {
     if (given.distances.empty())
         throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
                            "--points: the distances are missing; give them by --distances FILE");
@@ -128,7 +134,11 @@ ExitStatus check_points(const PointsToCheck& given, const std::vector<std::strin
     options.sign = parse_sign(sign);
     options.floor = floor;
     options.tolerance = given.tolerance;
-    const clsdf::Mesh mesh = read_body(meshes, reading, report);
+    if (surface == clsdf::Surface::outer && !given.triangles.empty())
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           "--triangles: with --surface outer they are those of the faces as given, which the outer "
+                           "surface does not have; leave them out");
+    clsdf::Mesh mesh = read_body(meshes, reading, report);
     Given found = read(given, report);
     require_as_many(given, found);
     if (positive_inside) {
@@ -138,6 +148,7 @@ ExitStatus check_points(const PointsToCheck& given, const std::vector<std::strin
     }
     if (options.sign == clsdf::SignRule::automatic)
         options.sign = resolve_sign_rule(options.sign, describe_topology(mesh)).rule;
+    if (surface == clsdf::Surface::outer) mesh = clsdf::outer(mesh, options.sign).mesh;
 
     const clsdf::Stopwatch watch;
     const PointCheckReport judged = clsdf::reference::check_points(mesh, found.points, found.results(), options);

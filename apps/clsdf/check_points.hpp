@@ -26,4 +26,5 @@ void add_options_of_points(Parser& parser, PointsToCheck& points);
 
 /// Judges the results and puts the report into the result. Throws Error.
 ExitStatus check_points(const PointsToCheck& given, const std::vector<std::string>& meshes, const MeshReading& reading,
-                        bool positive_inside, const std::optional<double>& floor, Report& report);
+                        bool positive_inside, const std::optional<double>& floor, clsdf::Surface surface,
+                        Report& report);

@@ -118,18 +118,16 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     transform_options.sign = request.sign;
     transform_options.floor = request.floor;
     transform_options.surface = request.surface;
-    clsdf::CallOptions call;
+    clsdf::CallOptions call = watched_call(progress, report, stop);
     // The published methods are compared by their work. Kernels that count it are compiled beside the usual ones.
     call.count_work = report.json && request.scan != clsdf::Scan::bricks;
-    call.should_stop = [&stop] { return stop.stop_requested(); };
     call.progress = [&](const clsdf::Progress& step) {
         show(progress, step);
         if (step.stage == clsdf::Progress::Stage::testing && second_compiler) second_compiler->wait(stop);
     };
-    call.log = [&](const std::string& message) {
-        if (layout.surface == clsdf::Surface::given && message == layout.sign_warning) return;  // has been said
-        progress.clear();
-        report.warn(message);
+    call.log = [&, log = call.log](const std::string& message) {
+        const bool has_been_said = layout.surface == clsdf::Surface::given && message == layout.sign_warning;
+        if (!has_been_said) log(message);
     };
     const clsdf::DistanceTransform transform = make_transform(
         device, layout.mesh, {.polyhedra = request.polyhedra, .scan = request.scan}, transform_options, call);

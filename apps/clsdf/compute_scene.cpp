@@ -39,7 +39,7 @@ void refuse_options_of_meshes(const ComputeOptions& options, const ComputeReques
     if (!options.output.empty() && clsdf::stores_sparse_fields_only(options.output))
         throw Error(ErrorCode::unsupported,
                     fmt::format("{}: this format stores sparse fields alone, and '{}' is a scene, whose fields are "
-                                "dense; choose .nrrd, .npy, .vti, .h5 or .sdf",
+                                "dense; choose .nrrd, .npy, .vti, .vtkhdf, .h5 or .sdf",
                                 options.output, options.mesh.front()));
 }
 
@@ -47,13 +47,7 @@ clsdf::Field compute(const SceneFile& file, const SceneMeshes& meshes, const Com
                      const ComputeRequest& request, const clsdf::Device& device, Report& report,
                      const std::stop_token& stop, clsdf::TransformStatistics& statistics, Json& bodies) {
     ProgressBar progress(!report.quiet);
-    clsdf::CallOptions call;
-    call.should_stop = [&stop] { return stop.stop_requested(); };
-    call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
-    call.log = [&](const std::string& message) {
-        progress.clear();
-        report.warn(message);
-    };
+    const clsdf::CallOptions call = watched_call(progress, report, stop);
     const clsdf::Scene scene = make_scene(file, meshes, device, call);
     bodies = describe(file, meshes, scene);
     if ((options.positive_inside || request.exact_signs) && !scene.has_sign())
@@ -95,7 +89,7 @@ ExitStatus compute_scene(const ComputeOptions& options, Report& report) {
         clsdf::check_field_path(options.output, request.outputs);
     else if (!options.dry_run)
         throw Error(ErrorCode::invalid_argument,
-                    "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .h5 or .sdf");
+                    "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .vtkhdf, .h5 or .sdf");
     const SceneFile file = read_scene(options.mesh.front());
     if (!options.output.empty()) keep_mesh(file.files(), options.output);
     const clsdf::Device device = open_device(options.device, report);

@@ -106,15 +106,10 @@ public:
         : report_(report), device_(device), stop_(stop), mesh_(clsdf::make_shape("cube")) {}
 
     Step compile(const Call& call) {
-        clsdf::CallOptions watched;
-        watched.should_stop = [this] { return stop_.stop_requested(); };
         ProgressBar progress(!report_.quiet);
+        clsdf::CallOptions watched = watched_call(progress, report_, stop_);
         watched.progress = [&](const clsdf::Progress& step) {
             progress.show(fmt::format("{}: {}", call.name, text_of(step)));
-        };
-        watched.log = [&](const std::string& message) {
-            progress.clear();
-            report_.warn(message);
         };
         const Stopwatch watch;
         const clsdf::DistanceTransform transform(device_, mesh_, {}, watched);
@@ -143,15 +138,10 @@ public:
 
     /// More than a few points are looked up one by one, many in groups, on processors by another program, too.
     Step query() {
-        clsdf::CallOptions watched;
-        watched.should_stop = [this] { return stop_.stop_requested(); };
         ProgressBar progress(!report_.quiet);
+        clsdf::CallOptions watched = watched_call(progress, report_, stop_);
         watched.progress = [&](const clsdf::Progress& step) {
             if (step.stage != clsdf::Progress::Stage::computing) progress.show(fmt::format("query: {}", text_of(step)));
-        };
-        watched.log = [&](const std::string& message) {
-            progress.clear();
-            report_.warn(message);
         };
         const Stopwatch watch;
         const clsdf::DistanceTransform transform(device_, mesh_, {}, watched);
@@ -229,6 +219,17 @@ void show(ProgressBar& bar, const clsdf::Progress& progress) {
         bar.show(progress.fraction);
     else
         bar.show(text_of(progress));
+}
+
+clsdf::CallOptions watched_call(ProgressBar& bar, Report& report, std::stop_token stop) {
+    clsdf::CallOptions call;
+    call.should_stop = [stop = std::move(stop)] { return stop.stop_requested(); };
+    call.progress = [&bar](const clsdf::Progress& progress) { show(bar, progress); };
+    call.log = [&bar, &report](const std::string& message) {
+        bar.clear();
+        report.warn(message);
+    };
+    return call;
 }
 
 void prepare_ahead(Report& report, const clsdf::Device& launching) {

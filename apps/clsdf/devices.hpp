@@ -5,6 +5,7 @@
 
 #include <clsdf/clsdf.hpp>
 
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,9 @@ std::string text_of(const clsdf::Progress& compiling);
 class ProgressBar;
 /// The bar of a call that computes, or the text of one that compiles.
 void show(ProgressBar& bar, const clsdf::Progress& progress);
+/// Options of a call that shows its progress on the bar, prints warnings in its place, and ends soon after a stop is
+/// requested. Bar and report must outlive them.
+clsdf::CallOptions watched_call(ProgressBar& bar, Report& report, std::stop_token stop);
 
 /// Compiles and tests the default kernels of the subcommands on each device: those of compute
 /// with and without --with, in narrow and wide bands, those of query and those of render. `again`: also kernels that

@@ -1,5 +1,6 @@
 #include "command.hpp"
 #include "compute.hpp"
+#include "devices.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
@@ -49,8 +50,8 @@ ExitStatus run(const FractionChoice& choice, Report& report) {
     const clsdf::Fractions found = [&] {
         const Interruption interruption;
         try {
-            clsdf::CallOptions call;
-            call.should_stop = [&] { return interruption.token().stop_requested(); };
+            ProgressBar progress(!report.quiet);
+            const clsdf::CallOptions call = watched_call(progress, report, interruption.token());
             surface = clsdf::outer(mesh, request.sign, call);
             return clsdf::fractions(*surface, grid, options_of(choice), call);
         } catch (const clsdf::Error& error) {

@@ -1,5 +1,6 @@
 #include "command.hpp"
 #include "compute.hpp"
+#include "devices.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
@@ -27,11 +28,10 @@ ExitStatus run(const OuterOptions& options, Report& report) {
     keep_mesh(options.mesh, options.output);
     clsdf::check_mesh_path(options.output);
     const clsdf::Mesh mesh = read_body(options.mesh, options.reading, report);
-    clsdf::CallOptions call;
     const clsdf::OuterSurface surface = [&] {
         const Interruption interruption;
-        call.should_stop = [&] { return interruption.token().stop_requested(); };
-        return clsdf::outer(mesh, parse_sign(options.sign), call);
+        ProgressBar progress(!report.quiet);
+        return clsdf::outer(mesh, parse_sign(options.sign), watched_call(progress, report, interruption.token()));
     }();
     clsdf::write_mesh(surface, options.output);
     output_is_written();

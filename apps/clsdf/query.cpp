@@ -115,13 +115,7 @@ void find(const QueryOptions& options, const clsdf::Device& device, const Asked&
           double half_width, Report& report, const std::stop_token& stop, Found& found) {
     ProgressBar progress(!report.quiet);
     const clsdf::TransformOptions transform_options = transform_options_of(options.sign);
-    clsdf::CallOptions call;
-    call.log = [&](const std::string& message) {
-        progress.clear();
-        report.warn(message);
-    };
-    call.should_stop = [&stop] { return stop.stop_requested(); };
-    call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
+    clsdf::CallOptions call = watched_call(progress, report, stop);
     call.refuse_unusable_points = options.refuse_unusable_points;
     for (const clsdf::OutputInfo& info : clsdf::output_table())
         if (outputs_of(options, asked).contains(info.output)) found.values.resize(info.output, points.size());

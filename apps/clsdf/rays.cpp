@@ -53,13 +53,7 @@ void find(const RayCallOptions& options, const clsdf::Device& device, const clsd
           const clsdf::RayRows& rays, Report& report, const std::stop_token& stop, Found& found) {
     ProgressBar progress(!report.quiet);
     const clsdf::TransformOptions transform_options = transform_options_of(options.sign);
-    clsdf::CallOptions call;
-    call.log = [&](const std::string& message) {
-        progress.clear();
-        report.warn(message);
-    };
-    call.should_stop = [&stop] { return stop.stop_requested(); };
-    call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
+    clsdf::CallOptions call = watched_call(progress, report, stop);
     call.refuse_unusable_points = options.refuse_unusable_rays;
     const std::size_t count = rays.origins.size();
     found.t.resize(count * options.most);

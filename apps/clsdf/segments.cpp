@@ -25,7 +25,7 @@ void add_segment_options(Parser& parser, SegmentOptions& options, const char* ou
     add_group_option(parser, own.reading);
     add_weld_option(parser, own.reading);
     add_skip_option(parser, own.reading);
-    add_device_option(parser, own.device, "whose memory is used");
+    add_device_option(parser, own.device, "what computes");
 }
 
 SegmentRun run_segments(const SegmentOptions& options, Report& report,
@@ -43,13 +43,7 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
     const Interruption interruption;
     try {
         ProgressBar progress(!report.quiet);
-        clsdf::CallOptions call;
-        call.log = [&](const std::string& message) {
-            progress.clear();
-            report.warn(message);
-        };
-        call.should_stop = [&] { return interruption.token().stop_requested(); };
-        call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
+        const clsdf::CallOptions call = watched_call(progress, report, interruption.token());
         const clsdf::Stopwatch watch;
         const clsdf::DistanceTransform transform(device, mesh, transform_options_of(own.sign), call);
         run.sign = transform.sign();

@@ -21,8 +21,11 @@ namespace {
 
 /// The outer surface of a body alone: closed, and its faces look outwards.
 OuterSurface outer_of_body(const Mesh& mesh, SignRule sign, std::uint32_t body, const CallOptions& call) {
+    CallOptions of_body{.should_stop = call.should_stop};
+    if (call.log)
+        of_body.log = [&](const std::string& message) { call.log(fmt::format("body {}: {}", body, message)); };
     try {
-        return outer(mesh, sign, call);
+        return outer(mesh, sign, of_body);
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("body {}: {}", body, error.what()));
     }

@@ -392,10 +392,15 @@ void Scene::winding(const InputArray& points, std::span<double> results, const C
         const std::span<const Vec3> all = positions.get();
         std::vector<double> sums(all.size()), of_body(all.size());
         std::vector<Vec3> in_body(all.size());
+        const auto active = static_cast<double>(std::ranges::count_if(state.bodies, &State::Body::is_active));
+        double done = 0;
         for (const State::Body& body : state.bodies) {
             if (!body.is_active) continue;
             std::ranges::transform(all, in_body.begin(), [&](const Vec3& p) { return body.frame.to_body(p); });
-            body.shape->transform.winding(in_body, of_body, {.should_stop = call.should_stop});
+            CallOptions part = calls::part_of(call, done / active, (done + 1) / active);
+            part.wait_list = {};
+            body.shape->transform.winding(in_body, of_body, part);
+            ++done;
             for (std::size_t i = 0; i < all.size(); ++i) sums[i] += of_body[i];
         }
         std::ranges::copy(sums, results.begin());

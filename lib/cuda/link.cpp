@@ -201,10 +201,11 @@ void SharedDevice::order(void* earlier, void* later) const {
     const Current current(link_->context());
     Event event = nullptr;
     check(driver().create_event(&event, without_timing), "cuEventCreate");
-    int code = driver().record_event(event, named(earlier));
-    if (code == 0) code = driver().wait_event(named(later), event, 0);
+    const int recorded = driver().record_event(event, named(earlier));
+    const int waited = recorded == 0 ? driver().wait_event(named(later), event, 0) : 0;
     driver().destroy_event(event);
-    check(code, "cuStreamWaitEvent");
+    check(recorded, "cuEventRecord");
+    check(waited, "cuStreamWaitEvent");
 }
 
 void SharedDevice::copy_to_host(const Array& array, void* to) const {

@@ -54,18 +54,36 @@ void check(const FractionOptions& options) {
         throw Error(ErrorCode::invalid_argument, fmt::format("snap is {}; it is in cells, 0 to 0.001", options.snap));
 }
 
+/// Slabs one after another, counted on the lattice.
+struct SlabRange {
+    std::int64_t first, end;
+};
+
+/// Ranges that neither meet nor touch, ascending.
+std::vector<SlabRange> united(std::vector<SlabRange> ranges) {
+    std::ranges::sort(ranges, {}, &SlabRange::first);
+    std::vector<SlabRange> apart;
+    for (const SlabRange& range : ranges)
+        if (!apart.empty() && range.first <= apart.back().end)
+            apart.back().end = std::max(apart.back().end, range.end);
+        else
+            apart.push_back(range);
+    return apart;
+}
+
 /// A mesh as the grids of one lattice see it.
 class OnLattice {
 public:
-    /// first, last: the lowest and the highest slab that is asked for.
-    OnLattice(const Mesh& mesh, const Grid& lattice, std::int64_t first, std::int64_t last,
+    /// ranges: the slabs that are asked for, as united() has them.
+    OnLattice(const Mesh& mesh, const Grid& lattice, const std::vector<SlabRange>& ranges,
               const FractionOptions& options)
         : origin_(lattice.origin),
           spacing_(lattice.spacing),
           triangles_(mesh.triangles()),
-          positions_(mesh.vertices().size()),
-          first_(first),
-          faces_(static_cast<std::size_t>(last - first + 1)) {
+          positions_(mesh.vertices().size()) {
+        for (const SlabRange& range : ranges)
+            parts_.push_back({range.first, std::vector<std::vector<std::uint32_t>>(
+                                               static_cast<std::size_t>(range.end - range.first))});
         // In cells of the lattice, so that a part has the bytes of the whole.
         for_each_index(positions_.size(), [&](std::size_t v) {
             for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -79,8 +97,11 @@ public:
             auto [least, most] = std::minmax({positions_[a][2], positions_[b][2], positions_[c][2]});
             if (least == most && cutting::moved_axis({positions_[a], positions_[b], positions_[c]}, options.walls) == 2)
                 --least;
-            const CellRange range(least, most, first, last - first + 1);
-            for (std::int64_t k = range.low; k <= range.high; ++k) faces_[static_cast<std::size_t>(k)].push_back(face);
+            for (Part& part : parts_) {
+                const CellRange range(least, most, part.first, static_cast<std::int64_t>(part.faces.size()));
+                for (std::int64_t k = range.low; k <= range.high; ++k)
+                    part.faces[static_cast<std::size_t>(k)].push_back(face);
+            }
         }
     }
 
@@ -89,15 +110,20 @@ public:
     std::span<const Vec3> positions() const { return positions_; }
     /// Those with a part in a slab, counted on the lattice.
     std::span<const std::uint32_t> faces(std::int64_t slab) const {
-        return faces_[static_cast<std::size_t>(slab - first_)];
+        const auto part = std::prev(std::ranges::upper_bound(parts_, slab, {}, &Part::first));
+        return part->faces[static_cast<std::size_t>(slab - part->first)];
     }
 
 private:
+    struct Part {
+        std::int64_t first;
+        std::vector<std::vector<std::uint32_t>> faces;  ///< of each slab
+    };
+
     Vec3 origin_, spacing_;
     std::span<const Triangle> triangles_;
     std::vector<Vec3> positions_;
-    std::int64_t first_;
-    std::vector<std::vector<std::uint32_t>> faces_;
+    std::vector<Part> parts_;
 };
 
 /// The lattices of grids, each prepared when it is used first. Those of all levels stay.
@@ -109,13 +135,11 @@ public:
     const OnLattice& of(const Grid& grid) {
         for (const std::unique_ptr<OnLattice>& known : known_)
             if (known->is_of(grid)) return *known;
-        std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = std::numeric_limits<std::int64_t>::min();
+        std::vector<SlabRange> ranges;
         for (const Grid& other : grids_)
-            if (other.origin == grid.origin && other.spacing == grid.spacing) {
-                first = std::min(first, other.first[2]);
-                last = std::max(last, other.first[2] + other.size[2] - 2);
-            }
-        return *known_.emplace_back(std::make_unique<OnLattice>(mesh_, grid, first, last, options_));
+            if (other.origin == grid.origin && other.spacing == grid.spacing)
+                ranges.push_back({other.first[2], other.first[2] + other.size[2] - 1});
+        return *known_.emplace_back(std::make_unique<OnLattice>(mesh_, grid, united(std::move(ranges)), options_));
     }
 
 private:
@@ -136,8 +160,8 @@ public:
         row.pieces = cut.pieces;
         row.volume = part(cut.volume);
         for (std::size_t d = 0; d < 3; ++d) {
-            row.centroid[d] = centroid(row.volume, cut.moment[d], cut.cell, d, 0.5);
-            row.surface_centroid[d] = point(cut.surface_centroid[d], cut.cell, d, 0.5);
+            row.centroid[d] = centroid(row.volume, cut.moment[d], cut.cell, d);
+            row.surface_centroid[d] = point(cut.surface_centroid[d], cut.cell, d);
             for (std::size_t face = 2 * d; face < 2 * d + 2; ++face) {
                 row.face_fractions[face] = part(cut.face_fractions[face]);
                 for (std::size_t n = 0; n < 2; ++n)
@@ -166,15 +190,14 @@ public:
 
 private:
     double part(double solid) const { return options_.part == CellPart::solid ? solid : 1 - solid; }
-    double centroid(double size, double moment, const std::array<std::int32_t, 3>& cell, std::size_t axis,
-                    double middle) const {
+    double centroid(double size, double moment, const std::array<std::int32_t, 3>& cell, std::size_t axis) const {
         // The moments of both parts, from the middle, add up to 0.
         if (options_.part == CellPart::fluid) moment = -moment;
-        return point(size > 0 ? std::clamp(moment / size, -0.5, 0.5) : 0, cell, axis, middle);
+        return point(size > 0 ? std::clamp(moment / size, -0.5, 0.5) : 0, cell, axis);
     }
-    double point(double from_middle, const std::array<std::int32_t, 3>& cell, std::size_t axis, double middle) const {
+    double point(double from_middle, const std::array<std::int32_t, 3>& cell, std::size_t axis) const {
         if (!options_.centroids_as_points) return from_middle;
-        return grid_.origin[axis] + grid_.spacing[axis] * (cell[axis] + (middle + from_middle));
+        return grid_.origin[axis] + grid_.spacing[axis] * (cell[axis] + (0.5 + from_middle));
     }
 
     const FractionOptions& options_;

@@ -170,6 +170,7 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
     const std::size_t overlapping_parts = std::exchange(topology.overlapping_parts, 0);  // they are no news here
     const ResolvedSignRule resolved = checked_rule(asked, given, topology);
     const SignRule rule = resolved.rule;
+    if (!for_transform && call.log && !resolved.warning.empty()) call.log(resolved.warning);
 
     // Products of seven lengths must be numbers.
     const int exponent = exponent_of(mesh);

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,8 +22,15 @@ using c::of;
 
 namespace {
 
-const std::vector<ShapeName>& shapes() {
-    static const std::vector<ShapeName> names = shape_names();
+/// Empty if there was no memory for them.
+const std::vector<ShapeName>& shapes() noexcept {
+    static const std::vector<ShapeName> names = []() noexcept {
+        try {
+            return shape_names();
+        } catch (const std::bad_alloc&) {
+            return std::vector<ShapeName>();
+        }
+    }();
     return names;
 }
 
@@ -113,7 +121,12 @@ const char* clsdf_shape_description(std::int64_t index) {
 }
 
 clsdf_status clsdf_mesh_set_positions(clsdf_mesh* mesh, const clsdf_array* positions) {
-    return guarded([&] { of(mesh).mesh.set_positions(c::input_of(positions, "positions")); });
+    return guarded([&] {
+        clsdf_mesh& self = of(mesh);
+        self.mesh.set_positions(c::input_of(positions, "positions"));
+        self.given_faces.clear();  // its parts may meet now
+        self.given_bodies.clear();
+    });
 }
 
 clsdf_status clsdf_mesh_set_index_base(clsdf_mesh* mesh, std::int32_t index_base) {

@@ -143,6 +143,18 @@ def _triple(numbers: Any) -> str:
     return "(" + ",".join(repr(float(number)) for number in numbers) + ")"
 
 
+def _pairs(field: Field) -> list[str]:
+    """What the files of the library say of a field, in their words."""
+    name = field.mesh_name.replace("\\", "\\\\").replace("\n", "\\n")
+    said = {"version": _core.version(), "mesh": name, "sign": field.sign}
+    if field.positive_inside:
+        said["inside"] = "positive"
+    said["band_inside"], said["band_outside"] = repr(field.band.inside), repr(field.band.outside)
+    if field.band.exact_signs:
+        said["band_signs"] = "exact"
+    return [f"clsdf_{key}:={value}" for key, value in said.items()]
+
+
 def _write_nrrd(path: str, field: Field, image: Image) -> None:
     header = [
         "NRRD0005",
@@ -156,6 +168,7 @@ def _write_nrrd(path: str, field: Field, image: Image) -> None:
         "endian: little",
         "encoding: raw",
         f"space origin: {_triple(image.origin)}",
+        *_pairs(field),
     ]
     with open(path, "wb") as file:
         file.write(("\n".join(header) + "\n\n").encode())
@@ -167,4 +180,6 @@ def _write_nifti(path: str, field: Field, image: Image) -> None:
 
     voxels = np.asarray(field.distance, np.float32).transpose(2, 1, 0)
     make_image: Any = nibabel.Nifti1Image
-    nibabel.save(make_image(voxels, image.affine()), path)
+    made = make_image(voxels, image.affine())
+    made.header["descrip"] = f"signed distance, {'positive' if field.positive_inside else 'negative'} inside; clsdf"
+    nibabel.save(made, path)

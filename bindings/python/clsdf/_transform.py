@@ -169,7 +169,7 @@ class Transform(WithFields):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The mesh's arrays, the present positions, the options, and the device by its name and limits, on which
-        unpickling makes the transform again. Of one that was made by from_part(): its bytes."""
+        unpickling makes the transform again. Of a part its bytes."""
         if self._made_of[0] is None:
             return Transform.from_part, (self.part_bytes(), self.device, self._made_of[3])
         return _made_again, (self.device, *self._state())
@@ -287,16 +287,21 @@ class Transform(WithFields):
 
     def _check_mesh(self) -> None:
         if self._made_of[0] is None:
-            raise Error("a transform made by from_part() has no mesh; ask the one that its bytes are of", "unsupported")
+            raise Error("a part, made by restrict_to() or from_part(), has no mesh; ask the whole transform", "unsupported")
 
     def sample(self, n: int, within: float = 0.0, seed: int | None = None) -> npt.NDArray[np.float64]:
         """Points (n, 3), float64, on the surface, as dense on large faces as on small ones; with `within` each is moved
         in a random direction by up to that length, so it is at most that far from the surface. seed: of NumPy's
-        default_rng(); the same seed gives the same points. query() has their distances."""
+        default_rng(); the same seed gives the same points. query() has their distances. With surface='outer' each call
+        makes the outer surface anew; sampling clsdf.outer(mesh).mesh does not."""
         count, radius = _whole("n", n), limit_of(within)
         if count < 0 or not 0 <= radius < math.inf:
             raise Error(f"sample takes a number of points and a length, each 0 or more; not {n!r} and {within!r}")
-        return on_surface(self.vertices, self.faces, count, radius, seed)
+        vertices, faces = self.vertices, self.faces
+        if self._made_of[5] == "outer":
+            surface = _meshes.outer((vertices, faces), self.sign).mesh
+            vertices, faces = surface.vertices, surface.faces
+        return on_surface(vertices, faces, count, radius, seed)
 
     # Grids.
 
@@ -332,7 +337,8 @@ class Transform(WithFields):
             raise Error("image: a terrain, whose walls are along z, and a restricted transform have fields of grids alone",
                         "unsupported")
         vertices, mirrored = _images.in_frame(geometry, self.vertices)
-        body = Transform((vertices, self.faces), device=self.device, sign=self.sign, kept_bytes=self._made_of[3])
+        *_, kept_bytes, _, surface = self._made_of
+        body = Transform((vertices, self.faces), device=self.device, sign=self.sign, kept_bytes=kept_bytes, surface=surface)
         grid, own_band = body._grid_and_band(geometry.grid, self._in_units(band), exact_signs=exact_signs)
         arrays = new_samples(wanted(outputs or ()), grid.shape, dtype)
         # A mirrored image has its samples along x in the reverse order.
@@ -720,7 +726,7 @@ class Transform(WithFields):
         progress: Progress = None,
     ) -> LinkPlan:
         """Prepares the links of a grid for runs that write at most `room` rows into memory of the device, without
-        blocking. Options: as of links(). The host finds the links now, and whenever the plan is updated."""
+        blocking. Options: as of links(). The links are found now and at each update, on a GPU by kernels."""
         own = directions_of(directions)
         with shown(progress) as show:
             plan = _core.plan_of_links(self._body, grid, own, room, is_of_faces(hits), with_between, show)
@@ -816,20 +822,25 @@ class Transform(WithFields):
         return _number_or_array(found.view(np.bool_).reshape(shape))
 
     def restrict_to(self, regions: Region | Iterable[Region]) -> Transform:
-        """A transform for parts of the domain, which keeps only what they need. Every grid, point and box asked for
-        later must lie in one region. The results have the bytes of the whole transform."""
+        """A transform for parts of the domain, which keeps only what they need, and not the mesh's arrays, but with
+        surface='outer'. Every grid, point and box asked for later must lie in one region. The results have the bytes of
+        the whole transform."""
         plain = [_plain(region) for region in ([regions] if isinstance(regions, Region) else regions)]
         with self._moves:
             part = Transform.__new__(Transform)
             part._body, part.mesh_name = self._body.restrict_to(plain), self.mesh_name
-            part._keep(self._made_of)
-            part._positions, part._motion, part._regions = self._positions, self._motion, plain
+            if self._made_of[5] == "outer":  # which has no bytes
+                part._keep(self._made_of)
+                part._positions, part._motion = self._positions, self._motion
+            else:
+                part._keep((None, None, self.sign, *self._made_of[3:]))
+            part._regions = plain
         return part
 
     def part_bytes(self) -> bytes:
         """A restricted transform as bytes, for another process or for later: from_part() makes it again without the mesh
-        and without the work of preparing it. 65 to 70 bytes for each triangle that it keeps, and up to 180 kB beside. Raises clsdf.Error
-        (unsupported) for a whole transform, and for surface='outer'."""
+        and without the work of preparing it. 65 to 70 bytes for each triangle that it keeps, and up to 180 kB beside.
+        Raises clsdf.Error (unsupported) for a whole transform, and for surface='outer'."""
         return self._body.part_bytes()
 
     @classmethod

@@ -188,6 +188,28 @@ def test_files_of_images_keep_origin_and_direction(solid, tmp_path):
     assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
 
 
+def test_a_file_of_an_image_says_what_the_field_is(tmp_path):
+    mesh = clsdf.make_shape("sphere3")
+    body = clsdf.Transform(mesh)
+    field = body.field(image=OfItk((-1, -1, -1), (0.25,) * 3, (9, 9, 9), np.eye(3)), band=0.5, positive_inside=True)
+    field.write(tmp_path / "x.nrrd")
+    read = clsdf.read_field(tmp_path / "x.nrrd")
+    assert read.positive_inside and read.band == field.band and read.sign == "nonzero" and read.mesh_name == body.mesh_name
+    assert np.array_equal(read.distance, field.distance)
+
+
+def test_an_image_of_the_outer_surface():
+    vertices, faces = clsdf.make_shape("sphere3")
+    two = np.concatenate([vertices, vertices + (0.8, 0, 0)]), np.concatenate([faces, faces + len(vertices)])
+    with pytest.warns(clsdf.MeshWarning):
+        body = clsdf.Transform(two, surface="outer")
+    image = OfItk((-1, -1, -1), (0.2,) * 3, (15, 11, 11), np.eye(3))
+    with pytest.warns(clsdf.MeshWarning):
+        found = body.field(image=image, band="full")
+    union = clsdf.Transform(clsdf.outer(two).mesh)
+    assert np.allclose(found.distance, union.query(voxels(image)).distance, atol=1e-5)
+
+
 def test_what_is_no_image(body, tmp_path):
     image = OfItk((0, 0, 0), (1, 1, 1), (4, 4, 4), np.eye(3))
     for call, message in (

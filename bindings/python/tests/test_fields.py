@@ -551,6 +551,8 @@ def test_a_part_of_the_domain_has_the_bytes_of_the_whole(body, points):
     assert np.array_equal(part.query(inside, within=0.2).distance, body.query(inside, within=0.2).distance)
     with pytest.raises(clsdf.Error, match="region"):
         part.query([[-1, 0, 0]], within=0.2)
+    with pytest.raises(clsdf.Error, match="has no mesh; ask the whole"):
+        part.sample(3)
 
 
 def test_a_part_travels_as_bytes(body, points):

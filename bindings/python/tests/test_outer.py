@@ -40,6 +40,21 @@ def test_the_outer_surface_of_two_cubes():
         clsdf.outer(mesh, sign="below")
 
 
+def test_a_sample_of_a_transform_is_near_its_surface():
+    with pytest.warns(clsdf.MeshWarning, match="not on the outer surface"):
+        body = clsdf.Transform(bar(), surface="outer")
+    points = body.sample(500, within=0.05, seed=3)
+    assert np.abs(body.query(points, dtype="float64").distance).max() < 0.05 + 1e-12
+
+
+def test_an_outer_surface_warns_of_what_the_sign_turns():
+    mesh = bar()
+    faces = mesh.faces.copy()
+    faces[12:] = faces[12:, ::-1]
+    with pytest.warns(clsdf.MeshWarning, match="look"):
+        assert clsdf.outer((mesh.vertices, faces)).volume == 12
+
+
 def test_a_transform_of_the_outer_surface():
     mesh = bar()
     surface = clsdf.outer(mesh)

@@ -275,7 +275,7 @@ public:
     /// below.
     void winding(const InputArray& points, const OutputArray& results, const CallOptions& call = {}) const;
 
-    // Meet the surface: links, crossings, rays (docs/segments.md).
+    // Meet the surface: links, crossings (docs/segments.md), rays (docs/rays.md).
 
     /// The links of a grid in these directions, at most 32 with components up to 16, that meet the surface. With
     /// Hits::walls a link has a row if and only if its ends are on different sides; see LinkOptions for others. q is
@@ -298,7 +298,8 @@ public:
 
     /// Into the caller's arrays. `count` gets how many links there are. If arrays of rows have less room, throws
     /// Error(invalid_argument) that names both numbers, `count` has it, and nothing is written. After other errors
-    /// `count` is 0. Memory of the device is mapped. Also throws Error(invalid_argument) for arrays that are too small
+    /// `count` is 0. Memory of the device is written by kernels if all arrays are there and kernels find the links, else it
+    /// is mapped. Also throws Error(invalid_argument) for arrays that are too small
     /// or overlap and for memory of another context, Error(unsupported) for other types and for a buffer that the host
     /// may not write.
     TransformStatistics links(const Grid& grid, std::span<const LinkDirection> directions, const LinkTargets& targets,
@@ -319,7 +320,7 @@ public:
     Crossings crossings(const Grid& grid, const CrossingOptions& options = {}, const CallOptions& call = {},
                         TransformStatistics* statistics = nullptr) const;
 
-    /// Where rays from origins along directions of any length meet the surface (docs/segments.md). Exact for the
+    /// Where rays from origins along directions of any length meet the surface (docs/rays.md). Exact for the
     /// doubles as given: no ray slips through an edge or a vertex, and t is within 0.51 ulp.
     ///
     /// Hits::walls: where inside and outside meet, by the sign rule; a point on a wall is outside, but at the bottom of

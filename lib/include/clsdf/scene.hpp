@@ -128,8 +128,9 @@ public:
     /// another body is left out, as by clsdf::outer() of each body and then of all. Distances to this mesh are those to
     /// the union, within overlaps, too, where those of the scene are only a lower bound of the depth; fractions() of it
     /// are those of the union. It is made anew by each call, in time that grows with the bodies' faces: for bodies at
-    /// rest, not for each step of many. Of `call`, should_stop counts. Throws Error(invalid_argument) if no body is on,
-    /// and the errors of outer(), which name the body; in particular Error(unsupported) for an open one.
+    /// rest, not for each step of many. Of `call`, should_stop counts, and log, which gets the bodies' warnings. Throws
+    /// Error(invalid_argument) if no body is on, and the errors of outer(), which name the body; in particular
+    /// Error(unsupported) for an open one.
     SceneSurface outer(const CallOptions& call = {}) const;
 
     // Fields. All throw Error(invalid_argument) if there is no body that is on.
