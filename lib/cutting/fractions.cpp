@@ -166,7 +166,7 @@ public:
                 row.face_fractions[face] = part(cut.face_fractions[face]);
                 for (std::size_t n = 0; n < 2; ++n)
                     row.face_centroids[face][n] =
-                        centroid(row.face_fractions[face], cut.face_moments[face][n], cut.cell, n < d ? n : n + 1, 0.5);
+                        centroid(row.face_fractions[face], cut.face_moments[face][n], cut.cell, n < d ? n : n + 1);
             }
         }
         row.area = cut.area;
