@@ -181,7 +181,7 @@ TransformStatistics DistanceTransform::rays(const InputArray& origins, const Inp
         const bool has_rows = targets.t.is_given() || targets.triangles.is_given();
         if (targets.most == 0 && has_rows)
             throw Error(ErrorCode::invalid_argument, "0 hits of each ray are asked for; ask for one or more");
-        if (!has_rows && !targets.counts.is_given() && !targets.any.is_given())
+        if (count > 0 && !has_rows && !targets.counts.is_given() && !targets.any.is_given())
             throw Error(ErrorCode::invalid_argument, "rays have no array for results; give one");
         if (!has_rows) arrays.most = 0;
         using enum ElementType;

@@ -54,6 +54,17 @@ void check(const FractionOptions& options) {
         throw Error(ErrorCode::invalid_argument, fmt::format("snap is {}; it is in cells, 0 to 0.001", options.snap));
 }
 
+/// In cells: a place there is a whole number.
+constexpr double farthest_vertex = 0x1p53;
+
+[[noreturn]] void throw_too_far(const Mesh& mesh, std::size_t vertex, std::size_t axis, double cells) {
+    throw Error(
+        ErrorCode::invalid_argument,
+        fmt::format("{}: vertex {} lies {:g} cells along {} from the grid's origin, and beyond 2^53 a cell has no "
+                    "place within; choose a larger spacing, or an origin near the mesh",
+                    mesh.name(), vertex, cells, "xyz"[axis]));
+}
+
 /// Slabs one after another, counted on the lattice.
 struct SlabRange {
     std::int64_t first, end;
@@ -88,6 +99,7 @@ public:
         for_each_index(positions_.size(), [&](std::size_t v) {
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const double position = (mesh.vertices()[v][axis] - origin_[axis]) / spacing_[axis];
+                if (!(std::abs(position) <= farthest_vertex)) throw_too_far(mesh, v, axis, position);
                 const double plane = std::nearbyint(position);
                 positions_[v][axis] = std::abs(position - plane) <= options.snap ? plane : position;
             }
@@ -166,7 +178,7 @@ public:
                 row.face_fractions[face] = part(cut.face_fractions[face]);
                 for (std::size_t n = 0; n < 2; ++n)
                     row.face_centroids[face][n] =
-                        centroid(row.face_fractions[face], cut.face_moments[face][n], cut.cell, n < d ? n : n + 1, 0.5);
+                        centroid(row.face_fractions[face], cut.face_moments[face][n], cut.cell, n < d ? n : n + 1);
             }
         }
         row.area = cut.area;
@@ -210,6 +222,10 @@ public:
     Batch(std::span<const Grid> grids, Lattices& lattices, const FractionOptions& options) : options_(options) {
         for (const Grid& grid : grids) {
             results_.push_back({grid, {}, {}, options});
+            const auto [nx, ny, nz] = results_.back().counts();
+            if (static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz) > 0x1p62)
+                throw std::bad_alloc();
+            results_.back().full.assign((nx * ny * nz + 7) / 8, 0);  // now, so that too many cells are refused now
             const OnLattice& lattice = lattices.of(grid);
             for (std::int64_t k = 0; k < grid.size[2] - 1; ++k) slabs_.push_back({&grid, &lattice, k, {}, {}});
         }
@@ -288,7 +304,6 @@ private:
         std::size_t count = 0;
         for (const OneSlab& slab : slabs) count += slab.rows.size();
         result.cells.reserve(count);
-        result.full.assign((nx * ny * nz + 7) / 8, 0);
         for (std::size_t k = 0; k < slabs.size(); ++k) {
             const std::size_t first = k * nx * ny / 8;
             for (std::size_t byte = 0; byte < slabs[k].full.size(); ++byte)

@@ -352,6 +352,22 @@ BOOST_AUTO_TEST_CASE(results_of_any_program_are_judged_at_their_points) {
                    .status == 0);
     BOOST_TEST(run_command({"check", inputs.mesh, "--points", inputs.csv, "--distances", near}).status == 1);
 
+    // Two cubes that overlap: the distance in the overlap is that to the union if it is asked for.
+    const std::string two = inputs.folder.file("two.off"), point = inputs.folder.file("point.csv", "x,y,z\n0.5,0,0\n"),
+                      of_union = inputs.folder.file("union.csv", "distance\n-1\n");
+    write_mesh(together({cube(1), shifted(cube(1), {1, 0, 0})}, "two"), two);
+    const auto judged = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"check", two, "--points", point, "--distances", of_union};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run_command(arguments);
+    };
+    BOOST_TEST(judged({}).status == 1);
+    BOOST_TEST(judged({"--surface", "outer"}).status == 0);
+    check_refused(judged({"--surface", "outer", "--triangles", found}), 2, {"--triangles"});
+    for (const char* option : {"--samples", "--seed", "--tolerance-voxels"})
+        check_refused(judged({option, "7"}), 2, {option, "--points"});
+    check_refused(judged({"--complete"}), 2, {"--complete", "--points"});
+
     check_refused(run_command({"check", inputs.mesh, "--points", inputs.csv}), 2, {"--distances"});
     check_refused(run_command({"check", inputs.mesh, "--distances", found}), 2, {"--points"});
     const std::string few = inputs.folder.file("few.csv", "distance\n1\n");

@@ -711,6 +711,18 @@ BOOST_AUTO_TEST_CASE(rays_and_pairs_lie_in_memory_of_the_device) {
                  [&] { transform.rays(first, second, {}, {.any = any}); });
 }
 
+BOOST_AUTO_TEST_CASE(no_rays_have_no_hits) {
+    const DistanceTransform transform(test_device(), cube(1));
+    const std::vector<Vec3> none;
+    std::vector<double> t;
+    transform.rays(none, none, {}, {.t = t});
+    transform.rays(none, none, {}, {});
+    check_throws(ErrorCode::invalid_argument, {"no array for results"}, [&] {
+        const std::vector<Vec3> one{{0, 0, 1}};
+        transform.rays(one, one, {}, {});
+    });
+}
+
 BOOST_AUTO_TEST_CASE(a_call_of_rays_reports_and_stops) {
     const DistanceTransform transform(test_device(), cube(1));
     const std::vector<Vec3> from(200000, Vec3{0, 0, -2}), along(from.size(), Vec3{0, 0, 1});

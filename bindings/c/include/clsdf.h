@@ -725,7 +725,8 @@ CLSDF_API int64_t clsdf_shape_count(void);
 CLSDF_API const char* clsdf_shape_name(int64_t index);
 CLSDF_API const char* clsdf_shape_description(int64_t index);
 
-/* New positions of the same vertices, on the host. A mesh of clsdf_mesh_outer() is a mesh like others then. Threads: one. */
+/* New positions of the same vertices, on the host. A mesh of clsdf_mesh_outer() is a mesh like others then. Threads:
+ * one. */
 CLSDF_API clsdf_status clsdf_mesh_set_positions(clsdf_mesh* mesh, const clsdf_array* positions);
 /* Sets the index base that transforms of this mesh have from now on: 0 (as of files and shapes) or 1. Threads: one. */
 CLSDF_API clsdf_status clsdf_mesh_set_index_base(clsdf_mesh* mesh, int32_t index_base);
@@ -1548,8 +1549,8 @@ CLSDF_API clsdf_status clsdf_sparse_plan_sign(const clsdf_sparse_plan* plan, int
 CLSDF_API clsdf_status clsdf_sparse_plan_statistics(const clsdf_sparse_plan* plan, clsdf_statistics* statistics);
 
 /* A plan of the links of a grid, whose runs write at most `room` rows into memory of the device, with the bytes of
- * clsdf_links(). The links are found when the plan is made or updated, on a GPU by kernels; a run reads nothing back. With index base 1
- * triangles are CLSDF_UNSUPPORTED. */
+ * clsdf_links(). The links are found when the plan is made or updated, on a GPU by kernels; a run reads nothing back.
+ * With index base 1 triangles are CLSDF_UNSUPPORTED. */
 CLSDF_API clsdf_status clsdf_link_plan_create(const clsdf_transform* transform, const clsdf_grid* grid,
                                               const int32_t* directions, int64_t direction_count, int64_t room,
                                               const clsdf_link_options* options, const clsdf_call_options* call,

@@ -255,6 +255,8 @@ static void check_outer_surface(void) {
     double depth;
     uint32_t nearest;
     clsdf_mesh *two, *outer, *none;
+    const double* positions_of_outer;
+    clsdf_array same;
     const uint32_t* given;
     int64_t count, triangles;
     int i, k;
@@ -285,6 +287,10 @@ static void check_outer_surface(void) {
     CHECK(depth > -1 - 1e-12 && depth < -1 + 1e-12 && nearest < 24);
     OK(clsdf_transform_topology(of_union, &topology));
     CHECK(topology.hidden_faces == report.hidden_faces && topology.partial_faces == report.partial_faces);
+    CHECK(clsdf_mesh_vertices(outer, &positions_of_outer, &count) == CLSDF_OK);
+    same = clsdf_host_array(CLSDF_FLOAT64, positions_of_outer, count);
+    CHECK(clsdf_mesh_set_positions(outer, &same) == CLSDF_OK); /* its parts may meet from now on */
+    CHECK(clsdf_mesh_given_faces(outer, NULL, &count) == CLSDF_OK && count == 0);
     clsdf_transform_release(of_union);
     clsdf_mesh_release(outer);
     clsdf_mesh_release(two);

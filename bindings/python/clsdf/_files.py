@@ -64,7 +64,14 @@ def write_overlapping_amr(fields: Iterable[Field], path: str | os.PathLike[str])
         clsdf.write_overlapping_amr([body.field(coarse, band), *body.fields(boxes, band)], "levels.vtkhdf")
 
     Raises clsdf.Error: invalid_argument names the box whose spacing or place does not fit the coarser level, or that
-    has other outputs than the first; unsupported for another ending; output_failure."""
+    has other outputs or another sign convention than the first; unsupported for another ending or the field of an image; output_failure."""
+    fields = list(fields)
+    for i, one in enumerate(fields):
+        if one.image is not None:
+            raise Error(f"box {i} is the field of an image, whose place and direction this format does not have", "unsupported")
+        if one.positive_inside != fields[0].positive_inside:
+            raise Error(f"box {i} is {'positive' if one.positive_inside else 'negative'} inside, and box 0 is not: the file "
+                        "has one convention, which it does not state")
     boxes = [(f.grid, {name: _packed(name, f.arrays[name]) for name in f.outputs}) for f in fields]
     _core.write_overlapping_amr(os.fspath(path), boxes)
 

@@ -39,9 +39,11 @@ def interpolated(
     for begin in range(0, len(rows), _at_a_time):
         part = slice(begin, begin + _at_a_time)
         at = np.asarray(rows[part], np.float64)
+        far = 0.0
         if field.image is not None:
+            far = float(np.abs(field.image.origin).max())
             at = field.image.to_frame(at)
-        values[part] = _linear(field.grid, distance, at, None if gradients is None else gradients[part])
+        values[part] = _linear(field.grid, distance, at, far, None if gradients is None else gradients[part])
         if field.image is not None and gradients is not None:
             gradients[part] = field.image.from_frame(gradients[part], "gradient")
     own = values.reshape(shape)[()]
@@ -49,13 +51,15 @@ def interpolated(
 
 
 def _linear(
-    grid: Grid, distance: npt.NDArray[Any], points: npt.NDArray[np.float64], gradients: npt.NDArray[np.float64] | None
+    grid: Grid, distance: npt.NDArray[Any], points: npt.NDArray[np.float64], far: float,
+    gradients: npt.NDArray[np.float64] | None,
 ) -> npt.NDArray[np.float64]:
-    """Trilinear values at points, NaN outside the grid; their gradients are written."""
+    """Trilinear values at points, NaN outside the grid; their gradients are written. far: how far from 0 they were before
+    they were moved into this frame."""
     size, spacing = np.array(grid.size), np.array(grid.spacing)
     steps = (points - grid.origin) / spacing - grid.first
     # A point on the last sample may be rounded beyond it.
-    slack = 4 * np.finfo(float).eps * (np.abs(grid.box).max(0) / spacing + np.abs(grid.first) + size)
+    slack = 4 * np.finfo(float).eps * ((np.abs(grid.box).max(0) + 4 * far) / spacing + np.abs(grid.first) + size)
     is_outside = ~((steps >= -slack) & (steps <= size - 1 + slack)).all(1)
     steps = np.clip(np.where(is_outside[:, None], 0, steps), 0, size - 1)
     low = np.minimum(steps.astype(np.int64), np.maximum(size - 2, 0))

@@ -102,7 +102,7 @@ def directions_of(directions: DirectionsLike) -> npt.NDArray[np.int32]:
             f"directions has the shape {given.shape} and the type {given.dtype}; expected whole numbers (n, 3), a name as "
             "'D3Q19', or ('D3Q19', 'OpenLB')"
         )
-    if np.abs(given).max(initial=0) > 16:
+    if given.min(initial=0) < -16 or given.max(initial=0) > 16:
         raise Error("directions: components are at most 16")
     return np.ascontiguousarray(given, np.int32)
 

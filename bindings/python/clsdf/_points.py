@@ -165,9 +165,12 @@ def limit_each(arrays: dict[str, npt.NDArray[Any]], limits: npt.NDArray[np.float
     distance = arrays["distance"]
     is_beyond = np.abs(distance) > limits
     distance[is_beyond] = np.copysign(limits, distance)[is_beyond]
+    is_lost = np.isnan(distance) & np.isfinite(limits)  # not finite or too far, in a group without a limit
+    distance[is_lost] = limits[is_lost]
+    is_beyond |= is_lost
     for name, array in arrays.items():
         if name != "distance":
-            array[is_beyond] = np.array({"triangle": -1, "site": 255}.get(name, np.nan)).astype(array.dtype)
+            array[is_beyond] = np.array({"triangle": -1, "body": -1, "site": 255}.get(name, np.nan)).astype(array.dtype)
 
 
 def on_surface(

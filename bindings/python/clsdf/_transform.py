@@ -143,11 +143,16 @@ class Transform(WithFields):
             raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle', 'below' or 'none'")
         is_own = faces is None and isinstance(mesh, (str, os.PathLike))
         vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
-        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes, floor, surface == "outer")
+        self._make(device_of(device), (vertices, faces, sign, kept_bytes, floor, surface), is_silent=False)
         if not is_own:
             own = self._body.device
             vertices, faces = _meshes.own_copy(vertices, own), _meshes.own_copy(faces, own)
-        self._keep((vertices, faces, sign, kept_bytes, floor, surface))
+            self._keep((vertices, faces, sign, kept_bytes, floor, surface))
+
+    def _make(self, device: Device, made_of: tuple[Any, Any, str, int | None, float | None, str], *, is_silent: bool) -> None:
+        *of, surface = made_of
+        self._body = _core.make_body(device, *of, surface == "outer", is_silent)
+        self._keep(made_of)
 
     def _keep(self, made_of: tuple[Any, Any, str, int | None, float | None, str]) -> None:
         """What the transform is made of, to make it again elsewhere."""
@@ -161,17 +166,13 @@ class Transform(WithFields):
 
     def _state(self) -> tuple[Any, ...]:
         with self._moves:
-            vertices, faces, sign, kept_bytes, floor, surface = self._made_of
-            if self.sign in ("none", "solid-angle"):
-                sign = self.sign  # known: no second warning
-            moves = (self._positions, self._motion, self._regions)
-            return vertices, faces, sign, kept_bytes, floor, surface, *moves, self.mesh_name
+            return *self._made_of, self._positions, self._motion, self._regions, self.mesh_name
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The mesh's arrays, the present positions, the options, and the device by its name and limits, on which
         unpickling makes the transform again. Of a part its bytes."""
         if self._made_of[0] is None:
-            return Transform.from_part, (self.part_bytes(), self.device, self._made_of[3])
+            return _part_again, (self.part_bytes(), self.device, self._made_of[3], self._regions)
         return _made_again, (self.device, *self._state())
 
     def __copy__(self) -> Transform:
@@ -299,8 +300,7 @@ class Transform(WithFields):
             raise Error(f"sample takes a number of points and a length, each 0 or more; not {n!r} and {within!r}")
         vertices, faces = self.vertices, self.faces
         if self._made_of[5] == "outer":
-            surface = _meshes.outer((vertices, faces), self.sign).mesh
-            vertices, faces = surface.vertices, surface.faces
+            vertices, faces, *_ = _core.outer(vertices, faces, self._made_of[2], is_silent=True)
         return on_surface(vertices, faces, count, radius, seed)
 
     # Grids.
@@ -336,9 +336,12 @@ class Transform(WithFields):
         if self.sign == "below" or self._regions is not None:
             raise Error("image: a terrain, whose walls are along z, and a restricted transform have fields of grids alone",
                         "unsupported")
-        vertices, mirrored = _images.in_frame(geometry, self.vertices)
-        *_, kept_bytes, _, surface = self._made_of
-        body = Transform((vertices, self.faces), device=self.device, sign=self.sign, kept_bytes=kept_bytes, surface=surface)
+        # The first positions decide what the sign counts.
+        first, faces, *options = self._made_of
+        vertices, mirrored = _images.in_frame(geometry, first)
+        body = _made_again(self.device, vertices, faces, *options, None, None, None, self.mesh_name)
+        if self._positions is not None or self._motion is not None:
+            body.set_positions(_images.in_frame(geometry, self.vertices)[0])
         grid, own_band = body._grid_and_band(geometry.grid, self._in_units(band), exact_signs=exact_signs)
         arrays = new_samples(wanted(outputs or ()), grid.shape, dtype)
         # A mirrored image has its samples along x in the reverse order.
@@ -642,7 +645,8 @@ class Transform(WithFields):
         if frame is not None:
             points = into_frame(points, *frame_of(frame))
         distance = np.empty(_cuda.shape_of(points)[0])
-        self._body.query(points, math.inf, {"distance": distance}, None, None, False)
+        limit = math.inf if self._regions is None else min(region[2] for region in self._regions)
+        self._body.query(points, limit, {"distance": distance}, None, None, False)
         return np.asarray(np.signbit(distance) & ~np.isnan(distance)).reshape(shape)
 
     def classify(self, boxes: npt.ArrayLike, half_width: float) -> npt.NDArray[np.uint8]:
@@ -922,6 +926,12 @@ class Transform(WithFields):
             return self._body.plan_bytes(self._requests(requests), show)
 
 
+def _part_again(part: bytes, device: Device, kept_bytes: int | None, regions: Any) -> Transform:
+    made = Transform.from_part(part, device, kept_bytes)
+    made._regions = regions
+    return made
+
+
 def _made_again(
     device: Device,
     vertices: Any,
@@ -936,8 +946,10 @@ def _made_again(
     mesh_name: str,
 ) -> Transform:
     """A transform from what Transform._state() has."""
-    made = Transform((vertices, faces), device=device, sign=sign, kept_bytes=kept_bytes, floor=floor, surface=surface)
+    # The rule that was asked for decides again, as it did: a name in its place would count sheets that are left out.
+    made = Transform.__new__(Transform)
     made.mesh_name = mesh_name
+    made._make(device, (vertices, faces, sign, kept_bytes, floor, surface), is_silent=True)
     if positions is not None:
         made.set_positions(positions)
     if motion is not None:

@@ -19,6 +19,8 @@ public:
     Call& operator=(const Call&) = delete;
 
     const CallOptions& options() const { return options_; }
+    /// Of what was made before: its warnings have been given.
+    void mute() { options_.log = {}; }
     void refuse_unusable_points(bool are_refused) { options_.refuse_unusable_points = are_refused; }
 
 private:

@@ -24,11 +24,12 @@ nb::object triples_of(std::vector<std::array<std::int32_t, 3>>& items, const nb:
                                                                       {items.size(), std::size_t{3}}, owner));
 }
 
+/// An axis of one sample has no edges, and an array without items.
 template <typename Value>
 nb::object box_of(std::vector<Value>& items, const Index3& size, const nb::capsule& owner) {
-    if (items.empty()) return nb::none();
+    static Value no_item{};
     return nb::cast(nb::ndarray<nb::numpy, Value, nb::ndim<3>>(
-        static_cast<void*>(items.data()),
+        static_cast<void*>(items.empty() ? &no_item : items.data()),
         {static_cast<std::size_t>(size[2]), static_cast<std::size_t>(size[1]), static_cast<std::size_t>(size[0])},
         owner));
 }
@@ -79,7 +80,7 @@ nb::tuple crossings(const Body& body, const Grid& grid, bool with_counts, nb::ob
     for (EdgeCrossings& edges : crossings.axes)
         axes.append(nb::make_tuple(box_of(edges.coordinates, edges.size, owner),
                                    box_of(edges.triangles, edges.size, owner),
-                                   box_of(edges.counts, edges.size, owner)));
+                                   with_counts ? box_of(edges.counts, edges.size, owner) : nb::none()));
     return nb::make_tuple(axes, rows_of<std::uint8_t>(crossings.inside.bits, owner));
 }
 

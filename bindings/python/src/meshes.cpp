@@ -76,9 +76,10 @@ auto closed_down(nb::handle vertices, nb::handle faces, double floor) {
     return arrays_of(with_mesh(vertices, faces, [floor](const Mesh& mesh) { return close_down(mesh, floor); }));
 }
 
-auto outer_of(nb::handle vertices, nb::handle faces, const std::string& sign) {
+auto outer_of(nb::handle vertices, nb::handle faces, const std::string& sign, bool is_silent) {
     const SignRule rule = value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity});
-    const Call call;
+    Call call;
+    if (is_silent) call.mute();
     auto surface = with_mesh(vertices, faces, [&](const Mesh& mesh) { return outer(mesh, rule, call.options()); });
     return tuple_of(std::move(surface));
 }
@@ -381,9 +382,11 @@ void add_meshes(nb::module_& module) {
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));
     module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"), nb::arg("tolerance") = 0.0);
     module.def("close_down", &closed_down, nb::arg("vertices"), nb::arg("faces"), nb::arg("floor"));
-    module.def("outer", &outer_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("sign") = "auto",
-               nb::sig("def outer(vertices: typing.Any, faces: typing.Any, sign: str = 'auto') -> "
-                       "tuple[typing.Any, ...]"));
+    module.def(
+        "outer", &outer_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("sign") = "auto",
+        nb::arg("is_silent") = false,
+        nb::sig("def outer(vertices: typing.Any, faces: typing.Any, sign: str = 'auto', is_silent: bool = False) -> "
+                "tuple[typing.Any, ...]"));
     module.def("fractions", &fractions_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("grids"), nb::arg("sign"),
                nb::arg("is_outer"), nb::arg("convention"), nb::arg("part"), nb::arg("walls"), nb::arg("snap"),
                nb::sig("def fractions(vertices: typing.Any, faces: typing.Any, grids: typing.Sequence[Grid], sign: "

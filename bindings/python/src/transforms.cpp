@@ -18,12 +18,13 @@ thread_local const AtWork* AtWork::current = nullptr;
 namespace {
 
 Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const std::string& sign,
-          std::optional<std::size_t> kept_bytes, std::optional<double> floor, bool is_outer) {
+          std::optional<std::size_t> kept_bytes, std::optional<double> floor, bool is_outer, bool is_silent) {
     Arrays arrays(&device);
     InputArray positions = arrays.triples(vertices, "vertices"), triangles = arrays.triples(faces, "faces");
     arrays.place({&positions, &triangles}, {});
     const MeshView mesh(positions, triangles);
-    const Call call;
+    Call call;
+    if (is_silent) call.mute();
     TransformOptions options;
     options.sign = sign_named(sign);
     options.kept_bytes = kept_bytes;
@@ -309,7 +310,8 @@ void add_transforms(nb::module_& module) {
                      })
         .def_prop_ro("device", [](const Body& body) { return body.device(); });
     module.def("make_body", &make, nb::arg("device"), nb::arg("vertices"), nb::arg("faces"), nb::arg("sign"),
-               nb::arg("kept_bytes").none(), nb::arg("floor").none() = nb::none(), nb::arg("is_outer") = false);
+               nb::arg("kept_bytes").none(), nb::arg("floor").none() = nb::none(), nb::arg("is_outer") = false,
+               nb::arg("is_silent") = false);
     module.def("of_part", &of_part, nb::arg("device"), nb::arg("part"), nb::arg("kept_bytes").none());
     module.def("rotation_near", &rotation_near, nb::arg("matrix"), "The rotation that was rounded to floats.");
     module.def("moved", &moved, nb::arg("first"), nb::arg("rotation"), nb::arg("translation"),

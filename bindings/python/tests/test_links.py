@@ -61,6 +61,8 @@ def test_crossings_are_coordinates(box):
     assert np.isfinite(edges.x.coordinates).sum() == edges.x.counts.sum() == 32
     assert (edges.x.triangles == clsdf.no_triangle).sum() == edges.x.triangles.size - 32
     assert box.crossings(GRID).y.counts is None
+    flat = box.crossings(clsdf.Grid(GRID.origin, GRID.spacing, (9, 9, 1)), counts=True)
+    assert flat.z.coordinates.shape == flat.z.counts.shape == (0, 9, 9) and flat.x.coordinates.shape == (1, 9, 8)
 
 
 def test_errors_name_what_is_wrong(box):

@@ -9,6 +9,8 @@ import pickle
 import subprocess
 import sys
 import textwrap
+import types
+import warnings
 
 import numpy as np
 import pytest
@@ -269,6 +271,40 @@ def test_plain_results_are_pickled(solid):
             for name in dir(thing):
                 if not name.startswith("_") and not callable(getattr(thing, name)):
                     assert getattr(other, name) == getattr(thing, name), name
+
+
+def sheet_beside(faces):
+    """A sphere, of which these faces are there, and a sheet that the sign leaves out."""
+    vertices = np.concatenate([clsdf.make_shape("sphere3")[0], [(-3, -3, 1.6), (3, -3, 1.6), (3, 3, 1.6), (-3, 3, 1.6)]])
+    count = len(vertices)
+    return vertices, np.concatenate([faces, [(count - 4, count - 3, count - 2), (count - 4, count - 2, count - 1)]])
+
+
+@pytest.mark.parametrize("has_hole", [False, True])
+def test_copies_and_images_have_the_sign_that_was_decided(points, has_hole):
+    vertices, faces = clsdf.make_shape("sphere3")
+    if has_hole:
+        faces = faces[vertices[faces].mean(1)[:, 2] < 0.93]
+    with pytest.warns(clsdf.MeshWarning):
+        body = clsdf.Transform(sheet_beside(faces))
+    expected = body.query(points).distance
+    assert (expected < 0).any()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # what was said is not said again
+        for other in (copy.copy(body), pickle.loads(pickle.dumps(body))):
+            assert np.array_equal(other.query(points).distance, expected) and other.sign == body.sign
+        grid = clsdf.Grid((-1.5, -1.5, -1.5), 0.25, (13, 13, 13))
+        image = types.SimpleNamespace(GetOrigin=lambda: (-1.5,) * 3, GetSpacing=lambda: (0.25,) * 3, GetSize=lambda: (13,) * 3,
+                                      GetDirection=lambda: tuple(np.eye(3).ravel()), GetDimension=lambda: 3)
+        assert np.array_equal(body.field(image=image, band="full").distance < 0, body.field(grid, band="full").distance < 0)
+
+
+def test_a_part_knows_what_is_inside(points):
+    body = clsdf.Transform(clsdf.make_shape("sphere3"))
+    inside = points[(np.abs(points) < 0.5).all(1)]
+    part = body.restrict_to(clsdf.Region((-0.5,) * 3, (0.5,) * 3, 0.2))
+    for own in (part, pickle.loads(pickle.dumps(part))):
+        assert np.array_equal(own.contains(inside), body.contains(inside))
 
 
 def test_a_transform_is_pickled_where_it_is(solid, points):

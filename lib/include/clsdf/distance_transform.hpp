@@ -298,10 +298,9 @@ public:
 
     /// Into the caller's arrays. `count` gets how many links there are. If arrays of rows have less room, throws
     /// Error(invalid_argument) that names both numbers, `count` has it, and nothing is written. After other errors
-    /// `count` is 0. Memory of the device is written by kernels if all arrays are there and kernels find the links, else it
-    /// is mapped. Also throws Error(invalid_argument) for arrays that are too small
-    /// or overlap and for memory of another context, Error(unsupported) for other types and for a buffer that the host
-    /// may not write.
+    /// `count` is 0. Memory of the device is written by kernels if all arrays are there and kernels find the links,
+    /// else it is mapped. Also throws Error(invalid_argument) for arrays that are too small or overlap and for memory
+    /// of another context, Error(unsupported) for other types and for a buffer that the host may not write.
     TransformStatistics links(const Grid& grid, std::span<const LinkDirection> directions, const LinkTargets& targets,
                               std::size_t& count, const LinkOptions& options = {}, const CallOptions& call = {}) const;
 
