@@ -134,6 +134,11 @@ Vector4<T> vload4(std::size_t i, const T* numbers) {
 }
 
 template <typename T>
+void vstore2(const Vector2<T>& values, std::size_t i, T* numbers) {
+    numbers[2 * i] = values.x;
+    numbers[2 * i + 1] = values.y;
+}
+template <typename T>
 void vstore3(const Vector3<T>& values, std::size_t i, T* numbers) {
     numbers[3 * i] = values.x;
     numbers[3 * i + 1] = values.y;
