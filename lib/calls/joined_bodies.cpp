@@ -2,11 +2,9 @@
 #include "calls/transform_access.hpp"
 #include "calls/transform_state.hpp"
 #include "core/parallel.hpp"
-#include "frusta/joined_meshes.hpp"
-#include "lattice/layout_of.hpp"
-#include "lists/coarse_lists.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/vertices.hpp"
+#include "plan/joined_meshes.hpp"
 #include "scenes/separate_groups.hpp"
 
 #include <algorithm>
@@ -39,15 +37,6 @@ double longest_edge(const Mesh& mesh) {
             squared = std::max(squared, sum);
         }
     return std::sqrt(squared);
-}
-
-/// Where kernels may list faces of a body: the ball around a face, of which they test the distance, has at most its
-/// longest edge as radius, and its centre in the face. And more than the body's part, see scenes::part_near().
-double reach_of(const Grid& grid, const Layout& layout, double longest_edge) {
-    const auto half_width = static_cast<double>(layout.half_width), slack = static_cast<double>(layout.coarse_slack);
-    const double spacing = std::ranges::max(grid.spacing);
-    return static_cast<double>(layout.unit) * (half_width + 2 * slack) * (1 + 1e-3) + longest_edge * (1 + 1e-3) +
-           3 * spacing;
 }
 
 /// Parts of the grid, layer after layer, which end at coarse bricks.
@@ -115,7 +104,6 @@ std::vector<Scene::State::FieldStep> Scene::State::steps_of(const std::vector<Fi
             std::ranges::for_each(all, add_alone);
             continue;
         }
-        const Layout layout = engine::layout_of(grid, band, kind.sign);
         for (std::span<const FieldPart> rest = all; !rest.empty();) {
             auto members = std::make_shared<FieldStep::Members>();
             members->is_inside_out = kind.is_inside_out;
@@ -127,8 +115,9 @@ std::vector<Scene::State::FieldStep> Scene::State::steps_of(const std::vector<Fi
                 const std::scoped_lock lock(state.mutex);
                 faces += state.kept_mesh->face_count();
                 if (!shape.longest_edge) shape.longest_edge = clsdf::longest_edge(state.kept_mesh->mesh());
-                bricks.push_back(scenes::coarse_bricks_near(grid, bodies[number].frame.to_scene(shape.box),
-                                                            reach_of(grid, layout, *shape.longest_edge)));
+                bricks.push_back(
+                    scenes::coarse_bricks_near(grid, bodies[number].frame.to_scene(shape.box),
+                                               engine::reach_of_faces(grid, band, kind.sign, *shape.longest_edge)));
                 members->bodies.push_back(number);
             }
             const auto groups = scenes::separate_groups(bricks);
@@ -160,8 +149,7 @@ bool Scene::State::are_joined(std::span<const FieldPart> parts, const KindOfBody
     // Records that are not kept would be made for each step.
     const std::size_t record_bytes = 2 * sizeof(Polyhedron) * std::min(faces, most_faces_joined);
     return parts.size() >= fewest_bodies && options.kept_bytes.value_or(record_bytes) >= record_bytes &&
-           engine::has_uniform_bounds(engine::layout_of(grid, band, kind.sign)) &&
-           engine::is_plain(all, engine::lattice_of(grid));
+           engine::can_be_joined(all, grid, band, kind.sign);
 }
 
 const DistanceTransform& Scene::State::joined_at(const FieldStep& step) {

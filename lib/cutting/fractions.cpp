@@ -99,11 +99,14 @@ public:
         for_each_index(positions_.size(), [&](std::size_t v) {
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const double position = (mesh.vertices()[v][axis] - origin_[axis]) / spacing_[axis];
-                if (!(std::abs(position) <= farthest_vertex)) throw_too_far(mesh, v, axis, position);
                 const double plane = std::nearbyint(position);
                 positions_[v][axis] = std::abs(position - plane) <= options.snap ? plane : position;
             }
         });
+        for (std::size_t v = 0; v < positions_.size(); ++v)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                if (!(std::abs(positions_[v][axis]) <= farthest_vertex))
+                    throw_too_far(mesh, v, axis, positions_[v][axis]);
         for (std::uint32_t face = 0; face < triangles_.size(); ++face) {
             const auto& [a, b, c] = triangles_[face];
             auto [least, most] = std::minmax({positions_[a][2], positions_[b][2], positions_[c][2]});

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
 
 #include "frusta/cluster_index.hpp"
 #include "frusta/frusta.hpp"
@@ -28,6 +30,15 @@ struct MeshToJoin {
 
 /// positions: of the vertices of all meshes, one after the other. Throws as the constructor of Mesh.
 JoinedMeshes join_meshes(std::span<const MeshToJoin> meshes, std::vector<Vec3> positions);
+
+/// Whether joined meshes in this box have the bytes of single ones in a field: if lists bound distances alike for all,
+/// and no coordinate needs the host.
+bool can_be_joined(const Box& box, const Grid& grid, const Band& band, SignRule sign);
+
+/// How far from a mesh kernels may list its faces: the ball around a face, of which they test the distance, has at most
+/// its longest edge as radius, and its centre in the face. And more than the mesh's part of a field, see
+/// scenes::part_near().
+double reach_of_faces(const Grid& grid, const Band& band, SignRule sign, double longest_edge);
 
 /// The records of some of the meshes, whose numbers ascend, without faces that only fill up groups.
 NearRecords records_of_meshes(const MeshTopology& joined, const FoundFrusta& frusta,

@@ -1,7 +1,10 @@
-#include "frusta/joined_meshes.hpp"
+#include "plan/joined_meshes.hpp"
 
 #include "core/parallel.hpp"
+#include "frusta/device_faces.hpp"
 #include "frusta/prepared_mesh.hpp"
+#include "lattice/layout_of.hpp"
+#include "lists/coarse_lists.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -115,6 +118,18 @@ JoinedMeshes join_meshes(std::span<const MeshToJoin> meshes, std::vector<Vec3> p
     topology->joined = std::move(parts);
     return {Mesh(std::move(positions), std::move(arrays.triangles), "bodies"), std::move(topology),
             std::move(arrays.numbers)};
+}
+
+bool can_be_joined(const Box& box, const Grid& grid, const Band& band, SignRule sign) {
+    return has_uniform_bounds(layout_of(grid, band, sign)) && is_plain(box, lattice_of(grid));
+}
+
+double reach_of_faces(const Grid& grid, const Band& band, SignRule sign, double longest_edge) {
+    const Layout layout = layout_of(grid, band, sign);
+    const auto half_width = static_cast<double>(layout.half_width), slack = static_cast<double>(layout.coarse_slack);
+    const double spacing = std::ranges::max(grid.spacing);
+    return static_cast<double>(layout.unit) * (half_width + 2 * slack) * (1 + 1e-3) + longest_edge * (1 + 1e-3) +
+           3 * spacing;
 }
 
 NearRecords records_of_meshes(const MeshTopology& joined, const FoundFrusta& frusta,
