@@ -4,7 +4,7 @@
 # folder CTest knows no durations, and at the end one core would wait for a long test on the other.
 function(clsdf_test_defaults)
   set(limit 300)
-  if(CLSDF_SANITIZE)
+  if(CLSDF_SANITIZE OR CMAKE_CROSSCOMPILING) # under emulation
     set(limit 3600)
   endif()
   get_property(tests DIRECTORY PROPERTY TESTS)
