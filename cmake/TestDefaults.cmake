@@ -4,14 +4,14 @@
 # folder CTest knows no durations, and at the end one core would wait for a long test on the other.
 function(clsdf_test_defaults)
   set(limit 300)
-  if(CLSDF_SANITIZE)
+  if(CLSDF_SANITIZE OR CMAKE_CROSSCOMPILING) # under emulation
     set(limit 3600)
   endif()
   get_property(tests DIRECTORY PROPERTY TESTS)
   foreach(test IN LISTS tests)
     set_property(TEST ${test} APPEND PROPERTY LABELS ${ARGN})
     get_test_property(${test} LABELS subjects)
-    list(REMOVE_ITEM subjects NOTFOUND as_gpu implementation nightly threads)
+    list(REMOVE_ITEM subjects NOTFOUND arm as_gpu implementation nightly threads)
     if(NOT subjects)
       message(SEND_ERROR "The test ${test} has no label that says what it is about (docs/architecture.md, \"Folders\")")
     endif()

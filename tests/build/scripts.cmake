@@ -24,7 +24,7 @@ list(LENGTH scripts count)
 if(count LESS 15)
   message(SEND_ERROR "only ${count} scripts were found")
 endif()
-set(refusing bundle bundle-driver conformance debian-packages fetch-meshes figures fit-figure format gallery gpu-compile gpu-counts nightly on-debian
+set(refusing bundle bundle-driver conformance debian-packages fetch-meshes figures fit-figure format gallery gpu-compile gpu-counts nightly on-arm on-debian
              on-opencl python-tests real-meshes release same-bytes setup site tidy try-debian try-debian-packages walk wheel)
 if(NOT EXISTS /usr/bin/python3)
   list(REMOVE_ITEM scripts figures gpu-compile)
