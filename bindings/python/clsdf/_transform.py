@@ -143,16 +143,11 @@ class Transform(WithFields):
             raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle', 'below' or 'none'")
         is_own = faces is None and isinstance(mesh, (str, os.PathLike))
         vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
-        self._make(device_of(device), (vertices, faces, sign, kept_bytes, floor, surface), is_silent=False)
+        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes, floor, surface == "outer")
         if not is_own:
             own = self._body.device
             vertices, faces = _meshes.own_copy(vertices, own), _meshes.own_copy(faces, own)
-            self._keep((vertices, faces, sign, kept_bytes, floor, surface))
-
-    def _make(self, device: Device, made_of: tuple[Any, Any, str, int | None, float | None, str], *, is_silent: bool) -> None:
-        *of, surface = made_of
-        self._body = _core.make_body(device, *of, surface == "outer", is_silent)
-        self._keep(made_of)
+        self._keep((vertices, faces, sign, kept_bytes, floor, surface))
 
     def _keep(self, made_of: tuple[Any, Any, str, int | None, float | None, str]) -> None:
         """What the transform is made of, to make it again elsewhere."""
@@ -337,9 +332,10 @@ class Transform(WithFields):
             raise Error("image: a terrain, whose walls are along z, and a restricted transform have fields of grids alone",
                         "unsupported")
         # The first positions decide what the sign counts.
-        first, faces, *options = self._made_of
+        first, faces, sign, kept_bytes, floor, surface = self._made_of
         vertices, mirrored = _images.in_frame(geometry, first)
-        body = _made_again(self.device, vertices, faces, *options, None, None, None, self.mesh_name)
+        body = _made_again(
+            self.device, vertices, faces, sign, kept_bytes, floor, surface, None, None, None, self.mesh_name)
         if self._positions is not None or self._motion is not None:
             body.set_positions(_images.in_frame(geometry, self.vertices)[0])
         grid, own_band = body._grid_and_band(geometry.grid, self._in_units(band), exact_signs=exact_signs)
@@ -949,7 +945,8 @@ def _made_again(
     # The rule that was asked for decides again, as it did: a name in its place would count sheets that are left out.
     made = Transform.__new__(Transform)
     made.mesh_name = mesh_name
-    made._make(device, (vertices, faces, sign, kept_bytes, floor, surface), is_silent=True)
+    made._body = _core.make_body(device, vertices, faces, sign, kept_bytes, floor, surface == "outer", is_silent=True)
+    made._keep((vertices, faces, sign, kept_bytes, floor, surface))
     if positions is not None:
         made.set_positions(positions)
     if motion is not None:

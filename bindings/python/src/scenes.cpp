@@ -206,7 +206,8 @@ void add_scenes(nb::module_& module) {
         .def("contains", &contains, nb::arg("points"), nb::arg("results"))
         .def("winding", &winding, nb::arg("points"), nb::arg("results"))
         .def("classify", &classify<Scene>, nb::arg("boxes"), nb::arg("half_width"))
-        .def("outer", &outer_of)
+        .def("outer", &outer_of,
+             nb::sig("def outer(self) -> tuple[tuple[typing.Any, ...], numpy.typing.NDArray[numpy.uint32]]"))
         .def("size", &read<&Scene::size>)
         .def("is_active", &read<&Scene::is_active, std::uint32_t>, nb::arg("body"))
         .def(
