@@ -413,12 +413,12 @@ def test_a_callback_may_use_the_array_of_its_call(solid, body, points, found):
     assert cuda().calls("cuMemcpyDtoDAsync_v2") == copies
 
 
-def test_an_array_belongs_to_a_run_until_its_stream_waits_for_the_run(body, expected, monkeypatch):
+def test_an_array_belongs_to_a_run_until_its_stream_waits_for_the_run(body, expected):
     shared = clsdf.SharedArray(expected.grid.shape, device=body.device)
     plan = body.plan(expected.grid, band=expected.band)
     plan.enqueue(out=shared)
     records = cuda().calls("cuEventRecord")
-    monkeypatch.setenv("CLSDF_CUDA_DELAY", f"cuEventRecord:{records + 1}")  # after the run, when its arrays are handed back
+    cuda().library.cuda_stand_in_delay(b"cuEventRecord", records + 1)  # after the run, when its arrays are handed back
     first = threading.Thread(target=lambda: plan.enqueue(out=shared))
     first.start()
     while cuda().calls("cuEventRecord") == records:

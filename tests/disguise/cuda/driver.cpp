@@ -44,6 +44,7 @@ struct Driver {
     std::mutex mutex;
     bool is_initialized = false;
     std::map<std::string, int> calls;
+    std::pair<std::string, int> delayed;  ///< a call and its number
     std::map<std::uint64_t, std::size_t> reservations;
     std::map<std::uint64_t, Mapping> mappings;
     std::map<std::uint64_t, std::shared_ptr<Memory>> handles;
@@ -113,7 +114,7 @@ Result begin(const char* call) {
     std::unique_lock lock(driver().mutex);
     ++driver().calls[call];
     if (is_named("CLSDF_CUDA_FAULT", call)) return unknown;
-    if (is_named("CLSDF_CUDA_DELAY", call)) {
+    if (driver().delayed == std::pair(std::string(call), driver().calls[call])) {
         lock.unlock();
         std::this_thread::sleep_for(std::chrono::seconds(1));
         lock.lock();
@@ -247,6 +248,11 @@ int cuda_stand_in_owners(int device) {
 int cuda_stand_in_calls(const char* call) {
     const std::scoped_lock lock(driver().mutex);
     return driver().calls[call];
+}
+
+void cuda_stand_in_delay(const char* call, int number) {
+    const std::scoped_lock lock(driver().mutex);
+    driver().delayed = {call, number};
 }
 
 Result cuCtxPushCurrent_v2(void* context) {
