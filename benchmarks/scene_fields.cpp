@@ -48,11 +48,11 @@ Index3 cell_of(std::size_t body) {
     return {number % cells, number / cells % cells, number / cells / cells};
 }
 
-/// A body in each cell, with the side 1, of `samples` samples a side, at most 0.03 beside its centre and turned
-/// about z.
+/// A body in each cell, with the side 1, of `samples` samples a side, at most 0.02 beside its centre, so that no sample
+/// of another cell is in its band, and turned about z.
 std::vector<Pose> poses_of(std::size_t step) {
     std::mt19937 random(static_cast<std::mt19937::result_type>(step));
-    std::uniform_real_distribution<double> aside(-0.03, 0.03), angle(0, 6.28);
+    std::uniform_real_distribution<double> aside(-0.02, 0.02), angle(0, 6.28);
     std::vector<Pose> poses(bodies);
     for (std::size_t i = 0; i < bodies; ++i) {
         const double c = std::cos(angle(random)), s = std::sqrt(1 - c * c);
