@@ -11,8 +11,8 @@
 ///
 ///   CLSDF_CUDA_DEVICES=0           no device; 1: only the first, which has another UUID
 ///   CLSDF_CUDA_FAULT=CALL:NUMBER   that call fails with CUDA_ERROR_UNKNOWN, counted from 1
-/// Each call reads these variables. cuda_stand_in_delay() lets a call begin a second later: a variable that is set while
-/// streams read the environment would be a race.
+/// Each call reads these variables. cuda_stand_in_delay() lets a call begin a second later: a variable that is set
+/// while streams read the environment would be a race.
 namespace clsdf::cuda_stand_in {
 
 using Result = int;

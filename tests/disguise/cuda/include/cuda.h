@@ -43,7 +43,8 @@ CUresult cuStreamDestroy(CUstream stream);
 CUresult cuStreamSynchronize(CUstream stream);
 CUresult cuLaunchHostFunc(CUstream stream, CUhostFn function, void* user);
 
-/* The stand-in alone has these: owners of a device's primary context, how often a function was called, and which call is late. */
+/* The stand-in alone has these: owners of a device's primary context, how often a function was called, and which call
+ * is late. */
 int cuda_stand_in_owners(int device);
 int cuda_stand_in_calls(const char* function);
 /* That call of the function, counted from 1, begins a second later. */
