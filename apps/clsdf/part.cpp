@@ -114,7 +114,7 @@ Command add_part(Parser& program) {
     add_placement_options(parser, own.reading);
     add_weld_option(parser, own.reading);
     add_skip_option(parser, own.reading);
-    add_device_option(parser, own.device, "whose memory is used");
+    add_device_option(parser, own.device, "what prepares the mesh");
     parser.set_footer(
         "Block x, y, z of the cuts is part x + NX (y + NY z) of the file. A rank reads it (clsdf::read_part() of C++, "
         "or\n"
