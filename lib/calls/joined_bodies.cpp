@@ -104,6 +104,7 @@ std::vector<Scene::State::FieldStep> Scene::State::steps_of(const std::vector<Fi
             std::ranges::for_each(all, add_alone);
             continue;
         }
+        const double reach = engine::reach_of_faces(grid, band, kind.sign);
         for (std::span<const FieldPart> rest = all; !rest.empty();) {
             auto members = std::make_shared<FieldStep::Members>();
             members->is_inside_out = kind.is_inside_out;
@@ -115,9 +116,9 @@ std::vector<Scene::State::FieldStep> Scene::State::steps_of(const std::vector<Fi
                 const std::scoped_lock lock(state.mutex);
                 faces += state.kept_mesh->face_count();
                 if (!shape.longest_edge) shape.longest_edge = clsdf::longest_edge(state.kept_mesh->mesh());
-                bricks.push_back(
-                    scenes::coarse_bricks_near(grid, bodies[number].frame.to_scene(shape.box),
-                                               engine::reach_of_faces(grid, band, kind.sign, *shape.longest_edge)));
+                // Rounding of the moved positions makes no edge longer by as much.
+                bricks.push_back(scenes::coarse_bricks_near(grid, bodies[number].frame.to_scene(shape.box),
+                                                            reach + (1 + 1e-3) * *shape.longest_edge));
                 members->bodies.push_back(number);
             }
             const auto groups = scenes::separate_groups(bricks);

@@ -349,6 +349,22 @@ BOOST_AUTO_TEST_CASE(a_mesh_that_moves_has_the_sign_of_its_new_positions) {
     BOOST_TEST(winding_of(transform, points) == winding_of(fresh, points), boost::test_tools::per_element());
 }
 
+BOOST_AUTO_TEST_CASE(winding_numbers_are_found_in_steps_and_can_be_stopped) {
+    const DistanceTransform transform(test_device(), without_triangle(make_shape("sphere4"), 7));
+    const std::vector<Vec3> points(3000, Vec3{0.1, 0.2, 0.3});
+    std::vector<double> results(points.size());
+    std::vector<double> fractions;
+    CallOptions call;
+    call.progress = [&](const Progress& progress) { fractions.push_back(progress.fraction); };
+    transform.winding(points, results, call);
+    BOOST_TEST(fractions.size() > 3U);
+    BOOST_TEST(std::ranges::is_sorted(fractions));
+    BOOST_TEST(fractions.back() == 1.0);
+    call.should_stop = [&] { return fractions.size() > 8; };
+    check_throws(ErrorCode::cancelled, {}, [&] { transform.winding(points, results, call); });
+    BOOST_TEST(fractions.size() < 12U);
+}
+
 BOOST_AUTO_TEST_CASE(the_reference_finds_nothing_wrong) {
     for (const Mesh& mesh : open_meshes(7)) {
         check_exact(mesh, compute(mesh, lattice_of(15), Band::symmetric(2), by_solid_angle), guaranteed);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -120,6 +121,18 @@ def test_what_sdf_does_not_record_is_told(body, tmp_path):
         warnings.simplefilter("error")
         clsdf.write_field(body.field(grid, band="full"), path)
         clsdf.write_field(field, tmp_path / "field.nrrd")
+
+
+def test_a_file_of_refined_levels_has_one_convention_and_no_image(body, tmp_path):
+    grid = clsdf.Grid((-1, -1, -1), 0.5, (5, 5, 5))
+    fields = [body.field(grid, band="full"), body.field(grid, band="full", positive_inside=True)]
+    with pytest.raises(clsdf.Error, match="box 1 is positive inside, and box 0 is not"):
+        clsdf.write_overlapping_amr(fields, tmp_path / "levels.vtkhdf")
+    image = SimpleNamespace(GetOrigin=lambda: (-1,) * 3, GetSpacing=lambda: (0.5,) * 3, GetSize=lambda: (5,) * 3,
+                            GetDirection=lambda: tuple(np.eye(3).ravel()))
+    with pytest.raises(clsdf.Unsupported, match="box 0 is the field of an image"):
+        clsdf.write_overlapping_amr([body.field(image=image, band="full")], tmp_path / "levels.vtkhdf")
+    assert not list(tmp_path.iterdir())
 
 
 def test_vtk_shows_refined_levels_where_they_are(body, tmp_path):
