@@ -10,7 +10,8 @@
 !>
 !> HANDLES (clsdf_device, clsdf_mesh, clsdf_transform, clsdf_plan, clsdf_sparse_plan, clsdf_field, clsdf_sparse_field,
 !> clsdf_thread_limit) are counted references: assignment makes another reference to the same object, and the end of a
-!> variable gives its reference back. release() does so at once.
+!> variable gives its reference back. release() does so at once. A type that holds handles needs an assignment(=) of its
+!> own, which assigns them one by one (gfortran 12 gives those of intrinsic assignment back twice).
 !>
 !> ARRAYS are used where they are, whatever their bounds and strides: nothing is copied. Components (of vectors) come
 !> first or after the samples: x(3, n) or x(n, 3), gradient(3, i, j, k) or gradient(i, j, k, 3); of two readings the first

@@ -1,12 +1,32 @@
 ! Handles: copies are references to one object, which lives as long as the last of them; nothing leaks.
-program objects
+module bodies  ! of a program
   use clsdf
-  use test
   implicit none
-  type :: body  ! of a program
+  type :: body
     type(clsdf_mesh) :: mesh
     type(clsdf_transform) :: transform
+  contains
+    procedure, private :: assign_body
+    generic :: assignment(=) => assign_body
   end type
+
+contains
+
+  ! docs/fortran.md says why: gfortran 12 ends the copies of an intrinsic assignment twice.
+  subroutine assign_body(left, right)
+    class(body), intent(inout) :: left
+    type(body), intent(in) :: right
+    left%mesh = right%mesh
+    left%transform = right%transform
+  end subroutine
+
+end module
+
+program objects
+  use clsdf
+  use bodies
+  use test
+  implicit none
   type(clsdf_device) :: device
   integer :: i
   integer(8) :: before
@@ -53,7 +73,7 @@ contains
     call check(all(many%is_set()), 'an array of copies')
   end subroutine
 
-  ! Intrinsic assignment of a type of the program copies the handles in it.
+  ! A type of the program with handles, whose assignment assigns them.
   subroutine members()
     type(body) :: first, second
     real(8) :: x(3, 1), d(1)
@@ -65,6 +85,9 @@ contains
     x = 0
     call second%transform%query(x, 10d0, d)
     call check(d(1) < -0.1d0, 'a copy of a type with handles')
+    second = second
+    call second%transform%query(x, 10d0, d)
+    call check(d(1) < -0.1d0, 'which is assigned to itself')
   end subroutine
 
   subroutine once()
