@@ -220,8 +220,10 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
                     "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf");
     const std::optional<clsdf::Device> device = named_device(options);
     std::optional<SecondCompiler> second_compiler;
-    if (!options.dry_run && request.scan == clsdf::Scan::bricks && is_first_use())
-        second_compiler.emplace(options.device, bricks_ahead(request.outputs));
+    if (!options.dry_run && request.scan == clsdf::Scan::bricks) {
+        take_turn_to_compile(report);
+        if (is_first_use()) second_compiler.emplace(options.device, bricks_ahead(request.outputs));
+    }
 
     const Stopwatch read;
     const clsdf::Mesh mesh = read_body(options.mesh, options.reading, report);

@@ -11,6 +11,7 @@
 #include <clsdf/clsdf.hpp>
 #include <clsdf/picture.hpp>
 #include <clsdf/tuning.hpp>
+#include <clsdf/turn_to_compile.hpp>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,7 @@
 #include <optional>
 #include <span>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 using clsdf::DeviceInfo;
@@ -44,6 +46,12 @@ clsdf::Device chosen_device(const std::string& choice) {
     } catch (const clsdf::Error& error) {
         throw clsdf::Error(error.code(), fmt::format("--device {}: {}", choice, error.what()));
     }
+}
+
+/// Ends with the process at the latest.
+std::optional<clsdf::TurnToCompile>& turn_to_compile() {
+    static std::optional<clsdf::TurnToCompile> turn;
+    return turn;
 }
 
 }  // namespace
@@ -70,8 +78,24 @@ clsdf::Device open_device(const std::string& choice, Report& report) {
 
 bool is_first_use() {
     std::error_code error;
-    return std::filesystem::directory_iterator(clsdf::Device::default_record_folder(), error) ==
-           std::filesystem::directory_iterator();
+    const std::filesystem::directory_iterator files(clsdf::Device::default_record_folder(), error);
+    return std::ranges::none_of(files, [](const auto& file) { return file.path().extension() == ".tested"; });
+}
+
+void take_turn_to_compile(const Report& report, const std::stop_token& stop) {
+    constexpr double silence = 2, longest_wait = 30;  // seconds
+    static bool has_asked = false;
+    if (std::exchange(has_asked, true) || !is_first_use()) return;
+    bool has_told = false;
+    turn_to_compile().emplace(clsdf::Device::default_record_folder(), [&](double seconds) {
+        if (seconds > silence && !std::exchange(has_told, true))
+            report.print("waiting for another process that compiles programs, {:.0f} s at most\n", longest_wait);
+        return seconds < longest_wait && !stop.stop_requested();
+    });
+}
+
+void end_turn_to_compile() {
+    turn_to_compile().reset();
 }
 
 bool specialises_at_launch(const clsdf::Device& device) {
@@ -223,8 +247,14 @@ void show(ProgressBar& bar, const clsdf::Progress& progress) {
 
 clsdf::CallOptions watched_call(ProgressBar& bar, Report& report, std::stop_token stop) {
     clsdf::CallOptions call;
+    call.progress = [&bar, &report, stop](const clsdf::Progress& progress) {
+        if (progress.stage == clsdf::Progress::Stage::computing)
+            end_turn_to_compile();
+        else
+            take_turn_to_compile(report, stop);
+        show(bar, progress);
+    };
     call.should_stop = [stop = std::move(stop)] { return stop.stop_requested(); };
-    call.progress = [&bar](const clsdf::Progress& progress) { show(bar, progress); };
     call.log = [&bar, &report](const std::string& message) {
         bar.clear();
         report.warn(message);

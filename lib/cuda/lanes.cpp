@@ -81,13 +81,14 @@ bool Link::try_semaphores() {
     constexpr std::chrono::seconds limit{1};
     const Current current(context_);
     const Driver& cuda = driver();
-    cl_int code = CL_SUCCESS;
-    const cl_command_queue queue = clCreateCommandQueue(device_.context(), device_.id(), 0, &code);
-    check_cl(code, "clCreateCommandQueue");
-    Stream stream = nullptr;
-    check(cuda.create_stream(&stream, non_blocking_stream), "cuStreamCreate");
     auto lane = std::make_unique<Lane>(*this);
     lane->semaphores = std::make_unique<Semaphores>(*this);
+    Stream stream = nullptr;
+    check(cuda.create_stream(&stream, non_blocking_stream), "cuStreamCreate");
+    cl_int code = CL_SUCCESS;
+    const cl_command_queue queue = clCreateCommandQueue(device_.context(), device_.id(), 0, &code);
+    if (code != CL_SUCCESS) cuda.destroy_stream(stream);
+    check_cl(code, "clCreateCommandQueue");
     const Semaphores& both = *lane->semaphores;
     const SemaphoreParameters parameters;
     const int failed = cuda.signal(&both.to_opencl.of_cuda, &parameters, 1, stream) != 0 ||

@@ -1,11 +1,17 @@
 #include "apps/process.hpp"
 #include "support/supposes.hpp"
 
+#include <clsdf/turn_to_compile.hpp>
+
 #include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
 
 using namespace clsdf::test;
 using nlohmann::json;
@@ -49,6 +55,32 @@ bool has(const std::string& text, const std::string& part) {
 constexpr const char* compiled = "compiled the kernels for this device, once, in ";
 
 }  // namespace
+
+BOOST_AUTO_TEST_CASE(commands_that_start_at_once_compile_one_after_the_other) {
+    const FreshCaches caches;
+    // With PoCL's own programs: what is left are the tests.
+    const std::vector<std::string> environment{"CLSDF_CACHE_DIR=" + caches.file("clsdf")};
+    std::optional<clsdf::TurnToCompile> turn(std::in_place, caches.file("clsdf"), [](double) { return false; });
+    BOOST_TEST_REQUIRE(turn->is_taken());
+
+    Process waiting(caches.compute("a.nrrd"), environment);
+    const auto says_so = [&] { return has(waiting.error_so_far(), "waiting for another process that compiles"); };
+    for (int i = 0; i < 2000 && !says_so(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    BOOST_TEST(says_so());
+    BOOST_TEST(caches.files(".tested").empty());
+    BOOST_TEST(!fs::exists(caches.file("a.nrrd")));
+    turn.reset();
+    const Outcome outcome = waiting.wait();
+    BOOST_TEST(outcome.status == 0, outcome.error);
+    BOOST_TEST(!caches.files(".tested").empty());
+
+    // Where records are, nobody waits.
+    turn.emplace(caches.file("clsdf"), [](double) { return false; });
+    BOOST_TEST_REQUIRE(turn->is_taken());
+    const Outcome second = run_command(caches.compute("b.nrrd"), environment);
+    BOOST_TEST(second.status == 0, second.error);
+    BOOST_TEST(!has(second.error, "waiting"), second.error);
+}
 
 // They look into PoCL's folder of compiled programs, and know what it compiles when.
 BOOST_AUTO_TEST_SUITE(kernels, *boost::unit_test::precondition(on_pocl))

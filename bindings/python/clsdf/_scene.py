@@ -97,7 +97,7 @@ class Scene(WithFields):
     all of them that to their union, inside the depth in the deepest body.
 
     field() and grid() are those of a Transform: the field has the least of the bodies' signed distances, and 'body' says
-    which one. A sample in the depth of a body, beyond its band, is beyond the band of the field, whatever else is near.
+    which one. Their band is 10% if none is given: each body is computed in its own band. A sample in the depth of a body, beyond its band, is beyond the band of the field, whatever else is near.
 
     A pose is a 4 x 4 or 3 x 4 matrix, or a tuple (R, t): the body's points x are at R @ x + t. Matrices may be float32:
     each rotation is replaced by the nearest one.
@@ -108,6 +108,7 @@ class Scene(WithFields):
     """
 
     _body: _core.Bodies
+    _default_band = "10%"
 
     def __init__(self, *, device: DeviceLike = None, kept_bytes: int | None = None) -> None:
         self._body = _core.make_bodies(device_of(device), _meshes.kept_bytes_of(kept_bytes))

@@ -6,7 +6,6 @@ from __future__ import annotations
 import os
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -17,38 +16,9 @@ from ._progress import Progress, ProgressFunction, shown
 longest_wait = 30.0
 #: Seconds of silence.
 _silence = 2.0
-#: File systems of one machine, which have locks: those of docs/formats.md, 'Unfinished files'.
-_local = {"ext2", "ext3", "ext4", "xfs", "btrfs", "f2fs", "zfs", "bcachefs", "tmpfs", "overlay"}
-
 _known: set[tuple[str, str]] = set()
 #: A thread of this process has the turn, or waits for it. Others compile without, or they would wait for each other.
 _is_taken = threading.Lock()
-
-
-def folder_of_records() -> str:
-    """Device::default_record_folder() of C++; empty if there is none."""
-    named = os.environ.get("CLSDF_CACHE_DIR")
-    if named is not None:
-        return os.path.abspath(named) if named else ""
-    cache, home = os.environ.get("XDG_CACHE_HOME"), os.environ.get("HOME")
-    if cache:
-        return os.path.join(cache, "clsdf")
-    return os.path.join(home, ".cache", "clsdf") if home else ""
-
-
-def _is_local(folder: str) -> bool:
-    """Whether the folder is on a file system of this machine that is known to have locks."""
-    path, best, kind = os.path.realpath(folder), "", ""
-    try:
-        with open("/proc/self/mountinfo") as mounts:
-            for line in mounts:
-                before, _, after = line.partition(" - ")
-                point = before.split()[4].replace("\\040", " ")
-                if (path == point or path.startswith(point.rstrip("/") + "/")) and len(point) >= len(best):
-                    best, kind = point, after.split()[0]
-    except (OSError, IndexError):
-        return False
-    return kind in _local
 
 
 _said: set[str] = set()
@@ -72,7 +42,7 @@ class _Turn:
 
     def __init__(self, folder: str, device: str, is_silent: bool) -> None:
         self._folder, self._device, self._is_silent = folder, device, is_silent
-        self._file: int | None = None
+        self._turn: _core.TurnToCompile | None = None
         self._line: threading.Timer | None = None
         self.has_compiled = self._is_holder = False
 
@@ -90,36 +60,18 @@ class _Turn:
         if not self._folder or not _is_taken.acquire(blocking=False):
             return
         self._is_holder = True
-        import fcntl
+        self._turn = _core.TurnToCompile(self._folder, self._goes_on)
 
-        try:
-            os.makedirs(self._folder, exist_ok=True)
-            file = os.open(os.path.join(self._folder, "compiling.lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        except OSError:
-            return
-        began, has_told = time.monotonic(), self._is_silent
-        while True:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                self._file = file
-                return
-            except BlockingIOError:
-                waited = time.monotonic() - began
-            except OSError:
-                break
-            if waited > longest_wait:
-                break
-            if waited > _silence and not has_told:
-                has_told = True
-                _say(f"waiting for another process that compiles programs for {self._device}, {longest_wait:.0f} s at most")
-            time.sleep(0.02)
-        os.close(file)
+    def _goes_on(self, seconds: float) -> bool:
+        """Asked while another process has the turn."""
+        if seconds > _silence and not self._is_silent:
+            _say(f"waiting for another process that compiles programs for {self._device}, {longest_wait:.0f} s at most")
+        return seconds < longest_wait
 
     def end(self) -> None:
         if self._line is not None:
             self._line.cancel()
-        if self._file is not None:
-            os.close(self._file)
+        self._turn = None
         if self._is_holder:
             _is_taken.release()
 
@@ -132,9 +84,7 @@ def taken(progress: Progress, device: str, kind: str) -> Iterator[ProgressFuncti
         with shown(progress) as show:
             yield show
         return
-    folder = folder_of_records()
-    if folder and not _is_local(folder):
-        folder = ""
+    folder = _core.default_record_folder()
     note = _note_of(folder, device, kind)
     if note and os.path.exists(note):
         _known.add((device, kind))

@@ -1,13 +1,17 @@
 #include "devices.hpp"
 
 #include <clsdf/tuning.hpp>
+#include <clsdf/turn_to_compile.hpp>
 
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
 #include <atomic>
 #include <bit>
 #include <cstdint>
 #include <cstdlib>
+#include <functional>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -210,6 +214,17 @@ void add_devices(nb::module_& module) {
     module.def(
         "devices", [] { return without_gil([] { return Device::all(); }); },
         "Every OpenCL device, also those that clsdf cannot use. Raises clsdf.Error (device_failure).");
+    module.def(
+        "default_record_folder", [] { return Device::default_record_folder(); },
+        "The folder of records that Device() keeps: Device::default_record_folder() of C++. Empty if there is none.");
+    nb::class_<TurnToCompile>(module, "TurnToCompile", "clsdf::TurnToCompile; ends when the object does.")
+        .def(
+            "__init__",
+            [](TurnToCompile* turn, const std::string& folder, const std::function<bool(double)>& goes_on) {
+                without_gil([&] { new (turn) TurnToCompile(folder, goes_on); });
+            },
+            nb::arg("folder"), nb::arg("goes_on"))
+        .def_prop_ro("is_taken", &TurnToCompile::is_taken);
     module.def(
         "_read_environment", [] { tuning::read_environment(); },
         "For tests: this process obeys the variables of clsdf::tuning::read_environment().");

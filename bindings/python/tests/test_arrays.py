@@ -108,7 +108,7 @@ def test_out_of_every_layout(body):
 
 
 def test_types_of_out(body):
-    field = body.field(resolution=16, outputs="distance triangle offset")
+    field = body.field(resolution=16, band="10%", outputs="distance triangle offset")
     out = {
         "distance": np.empty(field.grid.shape),
         "triangle": np.empty(field.grid.shape, np.int32),

@@ -145,7 +145,7 @@ def test_a_field_of_an_image_has_its_voxels(solid, name):
     for vectors in ("gradient", "closest", "offset"):
         off = abs(field[vectors] - expected[vectors])[same].max(-1)
         assert np.mean(off < 10 * tolerance) > 0.99, vectors
-    banded = body.field(image=image)
+    banded = body.field(image=image, band="10%")
     assert banded.band.outside == pytest.approx(0.1 * np.ptp(body.box, axis=0).max())
     near = abs(expected.distance) < banded.band.outside
     assert abs(banded.distance - expected.distance)[near].max() < max(tolerance, 1e-6)

@@ -609,6 +609,21 @@ def test_a_limited_device(solid, points):
                           clsdf.Transform(solid).query(points).distance)
 
 
+def test_without_a_band_every_sample_has_its_distance(body, solid):
+    field = body.field(resolution=16, outputs="triangle")
+    lower, upper = body.box
+    longest = np.subtract(upper, lower).max()
+    assert field.band.inside == field.band.outside == np.inf and (field.triangle != clsdf.no_triangle).all()
+    assert np.min(lower - field.grid.origin) >= 0.0499 * longest and field.grid == body.grid(16)
+    grid = field.grid
+    blocks = body.blocks(grid, [(0, 0, 0)], grid.size)
+    others = (body.fields([grid])[0], next(iter(body.slabs(grid))), blocks)
+    assert all(np.array_equal(np.reshape(one.distance, grid.shape), field.distance) for one in others)
+    scene = clsdf.Scene()
+    scene.add(solid)
+    assert scene.field(resolution=16).band.outside == pytest.approx(0.1 * longest)
+
+
 def test_shares_of_a_machine(solid, points):
     whole = clsdf.Device.automatic().info()
     if whole.kind != "processor":

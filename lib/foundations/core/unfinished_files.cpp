@@ -1,19 +1,16 @@
 #include "core/unfinished_files.hpp"
 
+#include "core/file_locks.hpp"
 #include "core/files.hpp"
 
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/utsname.h>
-#include <sys/vfs.h>
 
 #include <fcntl.h>
 #include <unistd.h>
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cstdint>
 #include <exception>
 #include <fstream>
 #include <functional>
@@ -28,17 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view beginning = ".clsdf-";
 constexpr std::string_view ending = ".part";
-
-/// Magic numbers of statfs(2): ext2 to ext4, XFS, Btrfs, F2FS, ZFS, bcachefs, tmpfs and overlays. On a file system that
-/// several machines share, a lock may cover this machine's processes only, and may wait for a server.
-constexpr std::array<std::uint32_t, 8> file_systems_of_one_machine{0xEF53,     0x58465342, 0x9123683E, 0xF2F52010,
-                                                                   0x2FC12FC1, 0xCA451A4E, 0x01021994, 0x794C7630};
-
-bool is_of_one_machine(int descriptor) {
-    struct statfs status {};
-    return ::fstatfs(descriptor, &status) == 0 &&
-           std::ranges::count(file_systems_of_one_machine, static_cast<std::uint32_t>(status.f_type)) > 0;
-}
 
 /// What the names of this machine's unfinished files begin with: ".clsdf-MACHINE-". The machines that share a folder
 /// differ in it, because a machine does not see the locks of another one.
@@ -78,12 +64,6 @@ bool is_named(int descriptor, const std::string& path) {
 bool is_own_file(int descriptor) {
     struct stat status {};
     return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == ::geteuid();
-}
-
-bool try_to_lock(int descriptor) {
-    while (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
-        if (errno != EINTR) return false;
-    return true;
 }
 
 /// Whether this is the process's first file in the folder.
