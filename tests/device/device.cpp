@@ -102,6 +102,20 @@ BOOST_AUTO_TEST_CASE(a_limited_device_has_what_is_left_to_it_and_a_context_of_it
                        [&] { whole.limited({.compute_units = all + 1}); });
 }
 
+// PoCL ended a part with commands that were about to begin on it, once in fifty times.
+BOOST_AUTO_TEST_CASE(a_part_of_a_device_ends_after_its_commands) {
+    const Device whole = Device::automatic();
+    const auto divisions = cl::Device(whole.id(), true).getInfo<CL_DEVICE_PARTITION_PROPERTIES>();
+    if (std::ranges::count(divisions, CL_DEVICE_PARTITION_BY_COUNTS) == 0) return;
+    for (int i = 0; i < 200; ++i) {
+        const Device part = whole.limited({.compute_units = 1});
+        const device::Context& context = device::context_of(part);
+        const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, std::size_t{1} << 20);
+        for (cl_uint n = 0; n < 8; ++n) context.queue().enqueueFillBuffer(buffer, n, 0, std::size_t{1} << 20);
+        context.queue().flush();
+    }
+}
+
 BOOST_AUTO_TEST_CASE(each_process_of_a_machine_gets_a_share) {
     const Device whole = Device::automatic();
     const DeviceInfo info = whole.info();
