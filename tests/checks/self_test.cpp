@@ -9,6 +9,7 @@
 #include "device/context.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <string>
@@ -382,7 +383,16 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
          {"box_store.cl", "z * box->strides[2]", "z * box->strides[1]"}},
     };
     const TemporaryFolder folder;
-    for (const Mutation& mutation : mutations)
+    // Each is compiled anew. With -C nightly all of them, else a third, and the texts of the others must be there.
+    const bool takes_all = std::getenv("CLSDF_EVERY_MUTATION") != nullptr;
+    for (std::size_t n = 0; n < mutations.size(); ++n) {
+        const Mutation& mutation = mutations[n];
+        const Changed& change = mutation.changed;
+        if (!takes_all && n % 3 != 0 && change.file != "slices.cl") {
+            BOOST_TEST(device::kernel_text(change.file).find(change.from) != std::string::npos,
+                       "the text to be changed is no longer there: " << change.from);
+            continue;
+        }
         for (const KernelBody body : mutation.bodies) {
             Changed changed = mutation.changed;
             const Device device = changed.device(folder.file("cache"));
@@ -394,6 +404,7 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
                              [&] { mutation.use(device, body, {}); });
             BOOST_TEST(changed.is_found, "the text to be changed is no longer there: " << changed.from);
         }
+    }
 }
 
 BOOST_AUTO_TEST_CASE(stops_every_way_to_a_field) {

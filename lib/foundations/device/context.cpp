@@ -185,7 +185,8 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
 
 Context::~Context() {
     cl_device_id whole = nullptr;
-    if (!lost_ && device_.getInfo(CL_DEVICE_PARENT_DEVICE, &whole) == CL_SUCCESS && whole != nullptr) clFinish(queue_());
+    if (!lost_ && device_.getInfo(CL_DEVICE_PARENT_DEVICE, &whole) == CL_SUCCESS && whole != nullptr)
+        clFinish(queue_());
 }
 
 namespace {
