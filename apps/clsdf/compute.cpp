@@ -121,8 +121,8 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     clsdf::CallOptions call = watched_call(progress, report, stop);
     // The published methods are compared by their work. Kernels that count it are compiled beside the usual ones.
     call.count_work = report.json && request.scan != clsdf::Scan::bricks;
-    call.progress = [&](const clsdf::Progress& step) {
-        show(progress, step);
+    call.progress = [&, watch = call.progress](const clsdf::Progress& step) {
+        watch(step);
         if (step.stage == clsdf::Progress::Stage::testing && second_compiler) second_compiler->wait(stop);
     };
     call.log = [&, log = call.log](const std::string& message) {

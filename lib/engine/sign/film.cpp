@@ -22,6 +22,8 @@ namespace {
 // Blocks of samples: the largest ones lie in columns, and the smallest ones are searched sample by sample.
 constexpr int largest_block = 32;
 constexpr int smallest_block = lanes;
+// A sample alone, by the tree, takes about as long as so many leaves near its block.
+constexpr std::size_t most_leaves = 256;
 // Fewer open edges are summed one by one. Of more, pieces far from a block are taken as a linear function,
 constexpr std::size_t most_summed = 48;
 // which may be off by that for each piece. Small blocks may be off by more: there each sample that is left in doubt is
@@ -178,6 +180,12 @@ public:
     /// The same of samples next to each other.
     std::array<int, lanes> rounded_from(std::int64_t x, std::int64_t y, std::int64_t z,
                                         const Surroundings& around) const {
+        std::array<int, lanes> result{};
+        if (around.leaves.size() > most_leaves) {
+            for (std::size_t lane = 0; lane < result.size(); ++lane)
+                result[lane] = rounded_alone({2 * (x + static_cast<std::int64_t>(lane)), 2 * y, 2 * z});
+            return result;
+        }
         const RowPlace place{static_cast<double>(x),
                              y * (std::int64_t{1} << boundary_.bits_y),
                              z * (std::int64_t{1} << boundary_.bits_z),
@@ -189,7 +197,6 @@ public:
             const std::span<const LatticeCorner> corners = corners_of(leaf);
             add_loop(corners.data(), corners.size(), place, turns);
         }
-        std::array<int, lanes> result{};
         for (std::size_t lane = 0; lane < result.size(); ++lane) {
             const HalfSample sample{2 * (x + static_cast<std::int64_t>(lane)), 2 * y, 2 * z};
             const auto rounded = rounded_of(turns[lane], sample, around);

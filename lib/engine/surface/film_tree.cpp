@@ -44,15 +44,15 @@ FilmTree::Sum FilmTree::sum(const Vec3& point, double tolerance) const {
 }
 
 FilmTree::View FilmTree::look_by_tenths(const Vec3& point) const {
-    for (const double tolerance : std::span(film_tolerances).first(2)) {
+    for (const double tolerance : film_tolerances) {
         const Sum seen = sum(point, tolerance);
         const double turns = turns_of(seen.near) + seen.far.turns, error = seen.far.error + film_slack;
         const double to_half = distance_to_half(turns) - error;
         const bool is_one_tenth = std::floor(10 * (turns - error)) == std::floor(10 * (turns + error));
-        if (is_one_tenth || (tolerance == film_tolerances[1] && to_half > 0))
+        if (tolerance == film_tolerances.front() ? is_one_tenth : is_one_tenth || to_half > 0)
             return {static_cast<int>(std::floor(turns + 0.5)), to_half};
     }
-    return look(point);
+    return look_at_all(point);
 }
 
 FilmTree::View FilmTree::look(const Vec3& point, double least_to_half) const {
@@ -62,6 +62,10 @@ FilmTree::View FilmTree::look(const Vec3& point, double least_to_half) const {
         const double to_half = distance_to_half(turns) - seen.far.error - film_slack;
         if (to_half > least_to_half) return {static_cast<int>(std::floor(turns + 0.5)), to_half};
     }
+    return look_at_all(point);
+}
+
+FilmTree::View FilmTree::look_at_all(const Vec3& point) const {
     const SolidAngle angle = angle_of(*boundary_, point, unit_);
     return {angle.rounded, distance_to_half(angle.turns) - film_slack};
 }

@@ -40,6 +40,8 @@ private:
     };
 
     Vec3 scaled(const Vec3& position) const;
+    /// By the sum over all open edges.
+    View look_at_all(const Vec3& point) const;
     Sum sum(const Vec3& point, double tolerance) const;
 
     std::shared_ptr<const OpenBoundary> boundary_;
