@@ -140,6 +140,11 @@ const DistanceTransform& Scene::State::placed(const Body& body) {
 
 CallStatistics Scene::State::compute(const Request& request, const CallOptions& call) {
     require_bodies();
+    if (is_union())
+        throw Error(
+            ErrorCode::unsupported,
+            "a scene whose surface is outer has no fields, which need cut faces; make a transform of the mesh of "
+            "Scene::outer(), and anew when bodies have moved");
     const auto& [grid, band, given] = request;
     grid.validate();
     band.validate();

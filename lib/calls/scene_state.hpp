@@ -7,6 +7,7 @@
 #include "device/context.hpp"
 #include "scenes/body_tree.hpp"
 #include "scenes/frame.hpp"
+#include "scenes/meeting_lines.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -123,6 +124,13 @@ struct __attribute__((visibility("hidden"))) Scene::State {
 
     std::shared_ptr<const scenes::BodyTree> current_tree();
 
+    bool is_union() const { return options.surface == Surface::outer; }
+    /// To be called when bodies have been added, moved or switched.
+    void forget_poses() {
+        tree.reset();
+        meeting_lines.reset();
+    }
+
     // scene.cpp
     /// Of the bodies that are on.
     scenes::BodyTree tree_at(std::span<const scenes::Frame> frames) const;
@@ -171,7 +179,8 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     std::vector<Body> bodies{};
 
     std::mutex mutex{};
-    std::shared_ptr<const scenes::BodyTree> tree{};  ///< null after a change; guarded by the mutex
+    std::shared_ptr<const scenes::BodyTree> tree{};               ///< null after a change; guarded by the mutex
+    std::shared_ptr<const scenes::MeetingLines> meeting_lines{};  ///< the same
 
     CallMutex field_mutex{"the scene that makes the call"};  ///< for the transforms that are moved for fields
     std::optional<JoinedBodies> joined{};                    ///< of the last field; guarded by field_mutex

@@ -214,7 +214,7 @@ FaceBoxes::FaceBoxes(std::span<const Vec3> vertices, std::span<const Triangle> t
 }
 
 Meetings::Meetings(CutPoints& points, std::span<const View> views, const FaceBoxes& boxes,
-                   const Cancellation& cancellation)
+                   const Cancellation& cancellation, std::span<const std::uint32_t> bodies)
     : begins_(views.size() + 1) {
     std::vector<std::vector<RawSegment>> by_group(boxes.pair_groups());
     for_each_index(
@@ -222,7 +222,8 @@ Meetings::Meetings(CutPoints& points, std::span<const View> views, const FaceBox
         [&](std::size_t group) {
             cancellation.check();
             boxes.for_each_pair(group, [&](std::uint32_t first, std::uint32_t second) {
-                Pair(points, views, first, second).add_to(by_group[group]);
+                if (bodies.empty() || bodies[first] != bodies[second])
+                    Pair(points, views, first, second).add_to(by_group[group]);
             });
         },
         16);

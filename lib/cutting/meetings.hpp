@@ -56,8 +56,9 @@ struct FaceSegment {
 /// The faces that meet others elsewhere than at edges and vertices that they share, and where.
 class Meetings {
 public:
-    /// Numbers the points.
-    Meetings(CutPoints& points, std::span<const View> views, const FaceBoxes& boxes, const Cancellation& cancellation);
+    /// Numbers the points. bodies: of each face; faces of one body are taken not to meet. Empty: all may.
+    Meetings(CutPoints& points, std::span<const View> views, const FaceBoxes& boxes, const Cancellation& cancellation,
+             std::span<const std::uint32_t> bodies = {});
 
     /// Of a face; none if it meets no other.
     std::span<const FaceSegment> of(std::uint32_t face) const {

@@ -29,6 +29,10 @@ CLSDF_EXPORT Pose pose_of(std::span<const double, 16> matrix);
 struct SceneOptions {
     /// Limit of the memory that is kept of each mesh: see TransformOptions::kept_bytes.
     std::optional<std::size_t> kept_bytes{};
+    /// outer: distances of points are those to the surface of the union of all bodies that are on, inside overlaps, too
+    /// (docs/scenes.md). Each body's mesh is replaced by its own outer surface when it is added: see
+    /// TransformOptions::surface.
+    Surface surface = Surface::given;
 };
 
 /// The value of Output::body beyond the half width or the band.
