@@ -9,7 +9,7 @@ namespace clsdf::points {
 
 namespace {
 
-/// Above the rounding of a point's height over a face, in units.
+/// Above the rounding of heights over a face, in units.
 constexpr double rounding_of_height = 1e-9;
 
 /// A lower bound of the squared distance between a point and a child of a node, whatever is rounded.
@@ -25,8 +25,8 @@ double least_squared(const PointNode& node, std::uint32_t child, const Vec3& p) 
 
 }  // namespace
 
-FacesByDistance::FacesByDistance(const PointInputs& inputs, const Vec3& in_units, double most)
-    : inputs_(inputs), point_(in_units), most_(most) {
+FacesByDistance::FacesByDistance(const PointInputs& inputs, const Vec3& in_units, double most, double rounding)
+    : inputs_(inputs), point_(in_units), most_(most), most_in_front_(rounding_of_height + rounding) {
     const PointTree& shape = inputs.leaves->tree->shape;
     if (shape.levels > 0) add({0, false, shape.levels - 1, 0, 0});
 }
@@ -73,7 +73,7 @@ void FacesByDistance::add_faces(std::uint32_t leaf) {
         const Polyhedron& record = records[face];
         const double height = record.exact_gradient_x[2] * x + record.exact_gradient_y[2] * y +
                               record.exact_gradient_z[2] * z + faces[face].offset[2];
-        if (height > rounding_of_height) continue;
+        if (height > most_in_front_) continue;
         add({one_lane::face_distance(records + face, faces + face, x, y, z).squared, true, 0, face,
              faces[face].triangle});
     }

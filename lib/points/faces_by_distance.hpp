@@ -7,8 +7,8 @@
 
 namespace clsdf::points {
 
-/// The faces of a mesh in the order of their distances from a point, without those that have the point in front. At
-/// equal distances the lowest number, in the caller's order, comes first.
+/// The faces of a mesh in the order of their distances from a point, without those that have the point in front, beyond
+/// rounding. At equal distances the lowest number, in the caller's order, comes first.
 class FacesByDistance {
 public:
     struct Face {
@@ -16,9 +16,9 @@ public:
         double squared;      ///< of the distance, in units
     };
 
-    /// inputs: of bring_to_host(). most: a squared distance in units, beyond which faces are left out. For callers that
-    /// have made a DefaultFloatingPoint.
-    FacesByDistance(const PointInputs& inputs, const Vec3& in_units, double most);
+    /// inputs: of bring_to_host(). most: a squared distance in units, beyond which faces are left out. rounding: of the
+    /// point, in units. For callers that have made a DefaultFloatingPoint.
+    FacesByDistance(const PointInputs& inputs, const Vec3& in_units, double most, double rounding);
 
     Face next();
 
@@ -36,7 +36,7 @@ private:
 
     const PointInputs& inputs_;
     Vec3 point_;
-    double most_;
+    double most_, most_in_front_;
     std::vector<Entry> heap_;
 };
 

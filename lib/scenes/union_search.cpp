@@ -49,7 +49,8 @@ void UnionSearch::search_body(std::uint32_t number, const Vec3& p, double least,
     const engine::PointMesh& mesh = mesh_of(body);
     const Vec3 in_units = mesh.in_units(in_body);
     const double unit = mesh.lattice.unit, limit = most / unit;
-    points::FacesByDistance faces(body.shape->inputs, in_units, limit * limit * (1 + 1e-15));
+    points::FacesByDistance faces(body.shape->inputs, in_units, limit * limit * (1 + 1e-15),
+                                  2 * rounding_of(body, p) / unit);
     for (points::FacesByDistance::Face face = faces.next(); face.face != CLSDF_NO_FACE; face = faces.next()) {
         const double distance = std::sqrt(face.squared) * unit;
         if (distance < least) continue;
