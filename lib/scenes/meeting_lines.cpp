@@ -127,8 +127,7 @@ public:
           near_(near),
           body_(near.bodies[number]),
           face_(near.faces[number]),
-          corners_(corners_of(test.scene().bodies[body_], face_)),
-          normal_(normal_of(corners_)) {}
+          placed_(test.scene().bodies[body_], face_) {}
 
     /// other: the face in which it meets this one, by its number among the near ones; none: it is in the same plane.
     void add(const Vec3& from, const Vec3& to, std::optional<std::uint32_t> other, std::vector<MeetingLine>& lines) {
@@ -194,7 +193,7 @@ private:
 
     /// Whether a point of the line is, and so the part of it around that no third body cuts.
     bool is_on_union(const Vec3& p, const Vec3& along, std::optional<std::uint32_t> other) const {
-        if (!other || !cross_at(p, along, *other)) return test_.is_on_union_beside(p, along, body_, corners_);
+        if (!other || !cross_at(p, along, *other)) return test_.is_on_union_beside(p, along, body_, placed_);
         // One side of each of the two faces is in none of the two bodies.
         PlaceInBody of_third = PlaceInBody::outside;
         for (const std::uint32_t third : third_) {
@@ -202,31 +201,28 @@ private:
                 std::max(of_third, place_in(test_.scene().bodies[third], p, 4 * test_.rounding(body_, third, p)));
             if (of_third == PlaceInBody::inside) return false;
         }
-        return of_third == PlaceInBody::outside || test_.is_on_union_beside(p, along, body_, corners_);
+        return of_third == PlaceInBody::outside || test_.is_on_union_beside(p, along, body_, placed_);
     }
 
     /// Whether two faces cross each other at a point of both, beyond rounding.
     bool cross_at(const Vec3& p, const Vec3& along, std::uint32_t other) const {
         constexpr double least_sine = 1e-3;
         const std::uint32_t other_body = near_.bodies[other];
-        const Corners others = corners_of(test_.scene().bodies[other_body], near_.faces[other]);
-        const Vec3 normal = normal_of(others);
-        if (!(length(cross(normal_, normal)) > least_sine)) return false;
+        const PlacedFace others(test_.scene().bodies[other_body], near_.faces[other]);
+        if (!(length(cross(placed_.normal, others.normal)) > least_sine)) return false;
         const double least = 8 * test_.rounding(body_, other_body, p);
-        return continues(corners_, normal_, p, along, least) && continues(others, normal, p, along, least);
+        return continues(placed_, p, along, least) && continues(others, p, along, least);
     }
     /// On both sides of the line.
-    static bool continues(const Corners& corners, const Vec3& normal, const Vec3& p, const Vec3& along, double least) {
-        const Vec3 across = cross(normal, along);
-        return extent(corners, normal, p, across) > least &&
-               extent(corners, normal, p, {-across[0], -across[1], -across[2]}) > least;
+    static bool continues(const PlacedFace& face, const Vec3& p, const Vec3& along, double least) {
+        const Vec3 across = cross(face.normal, along);
+        return extent(face, p, across) > least && extent(face, p, {-across[0], -across[1], -across[2]}) > least;
     }
 
     const UnionTest& test_;
     const NearFaces& near_;
     std::uint32_t body_, face_;
-    Corners corners_;
-    Vec3 normal_;
+    PlacedFace placed_;
     std::vector<std::uint32_t> third_;
     std::vector<double> places_;
 };

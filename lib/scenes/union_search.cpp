@@ -56,7 +56,7 @@ void UnionSearch::search_body(std::uint32_t number, const Vec3& p, double least,
         if (distance < least) continue;
         if (distance > most || (distance == found.distance && !found.is_cut && number > found.body)) return;
         const Vec3 closest = body.frame->to_scene(closest_on(body, in_units, face.face));
-        if (!test_.is_on_union(closest, number, corners_of(body, face.face))) continue;
+        if (!test_.is_on_union(closest, number, PlacedFace(body, face.face))) continue;
         found = {number, face.face, false, closest, distance};
         return;
     }

@@ -28,22 +28,17 @@ Vec3 unit(const Vec3& v) {
 
 }  // namespace
 
-Corners corners_of(const SearchedBody& body, std::uint32_t face) {
-    Corners corners = mesh_of(body).corners(face);
+PlacedFace::PlacedFace(const SearchedBody& body, std::uint32_t face) : corners(mesh_of(body).corners(face)) {
+    normal = body.frame->turned(unit(cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]))));
     for (Vec3& corner : corners) corner = body.frame->to_scene(corner);
-    return corners;
 }
 
-Vec3 normal_of(const Corners& corners) {
-    return unit(cross(difference(corners[1], corners[0]), difference(corners[2], corners[0])));
-}
-
-double extent(const Corners& corners, const Vec3& normal, const Vec3& p, const Vec3& direction) {
+double extent(const PlacedFace& face, const Vec3& p, const Vec3& direction) {
     double most = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3 inward = unit(cross(normal, difference(corners[(i + 1) % 3], corners[i])));
+        const Vec3 inward = unit(cross(face.normal, difference(face.corners[(i + 1) % 3], face.corners[i])));
         const double outwards = -dot(direction, inward);
-        if (outwards > 0) most = std::min(most, std::max(dot(difference(p, corners[i]), inward), 0.0) / outwards);
+        if (outwards > 0) most = std::min(most, std::max(dot(difference(p, face.corners[i]), inward), 0.0) / outwards);
     }
     return most;
 }
@@ -60,7 +55,7 @@ double UnionTest::rounding(std::uint32_t body, std::uint32_t other, const Vec3& 
     return relative_rounding * std::max({largest_of_body_[body], largest_of_body_[other], largest_of(p)});
 }
 
-bool UnionTest::is_on_union(const Vec3& p, std::uint32_t body, const Corners& corners) const {
+bool UnionTest::is_on_union(const Vec3& p, std::uint32_t body, const PlacedFace& face) const {
     bool is_hidden = false, is_touched = false;
     visit_near(p, 0, [&](std::uint32_t other) {
         if (other == body) return true;
@@ -70,39 +65,44 @@ bool UnionTest::is_on_union(const Vec3& p, std::uint32_t body, const Corners& co
         return !is_hidden;
     });
     if (is_hidden || !is_touched) return !is_hidden;
-    const Vec3 normal = normal_of(corners);
-    if (is_free(p, normal, body)) return true;
+    if (is_free(p, body, face)) return true;
+    const auto& [corners, normal] = face;
     const Vec3 first = unit(difference(corners[1], corners[0])), second = cross(normal, first);
     constexpr int directions = 8;
     for (int i = 0; i < directions; ++i) {
         const double angle = (i + 0.25) * 2 * std::numbers::pi / directions;
-        const Vec3 direction = moved({}, std::cos(angle), first);
-        if (is_free_towards(p, moved(direction, std::sin(angle), second), normal, body, corners)) return true;
+        const Vec3 direction = moved(moved({}, std::cos(angle), first), std::sin(angle), second);
+        if (is_free_towards(p, direction, body, face)) return true;
     }
+    // From a corner of a small angle.
     const Vec3 centre{(corners[0][0] + corners[1][0] + corners[2][0]) / 3,
                       (corners[0][1] + corners[1][1] + corners[2][1]) / 3,
                       (corners[0][2] + corners[1][2] + corners[2][2]) / 3};
-    return is_free_towards(p, unit(difference(centre, p)), normal, body, corners);
+    return is_free_towards(p, unit(difference(centre, p)), body, face);
 }
 
-bool UnionTest::is_on_union_beside(const Vec3& p, const Vec3& along, std::uint32_t body, const Corners& corners) const {
-    const Vec3 normal = normal_of(corners), across = cross(normal, along);
-    return is_free_towards(p, across, normal, body, corners) ||
-           is_free_towards(p, {-across[0], -across[1], -across[2]}, normal, body, corners);
+bool UnionTest::is_on_union_beside(const Vec3& p, const Vec3& along, std::uint32_t body, const PlacedFace& face) const {
+    const Vec3 across = cross(face.normal, along);
+    return is_free_towards(p, across, body, face) ||
+           is_free_towards(p, {-across[0], -across[1], -across[2]}, body, face);
 }
 
-bool UnionTest::is_free_towards(const Vec3& p, const Vec3& direction, const Vec3& normal, std::uint32_t body,
-                                const Corners& corners) const {
-    const double all = extent(corners, normal, p, direction), least = rounding(body, body, p);
-    return all > least_extent * least && is_free(moved(p, std::min(beside * least, all / 2), direction), normal, body);
+bool UnionTest::is_free_towards(const Vec3& p, const Vec3& direction, std::uint32_t body,
+                                const PlacedFace& face) const {
+    const double all = extent(face, p, direction), least = rounding(body, body, p);
+    // It has no end if the direction or the normal is not a number.
+    return all > least_extent * least && std::isfinite(all) &&
+           is_free(moved(p, std::min(beside * least, all / 2), direction), body, face);
 }
 
-bool UnionTest::is_free(const Vec3& p, const Vec3& normal, std::uint32_t body) const {
+bool UnionTest::is_free(const Vec3& p, std::uint32_t body, const PlacedFace& face) const {
+    if (!is_finite(face.normal)) return false;
     bool is_free = true;
     visit_near(p, 0, [&](std::uint32_t other) {
         if (other != body) {
-            const Vec3 in_front = moved(p, rounding(body, other, p), normal);
-            is_free = place_in(scene_.bodies[other], in_front, 0) == PlaceInBody::outside;
+            // Two other bodies that touch each other leave no gap: a point on their common wall is not free.
+            const double height = rounding(body, other, p);
+            is_free = place_in(scene_.bodies[other], moved(p, height, face.normal), height / 2) == PlaceInBody::outside;
         }
         return is_free;
     });

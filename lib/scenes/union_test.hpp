@@ -10,10 +10,15 @@ namespace clsdf::scenes {
 
 using Corners = std::array<Vec3, 3>;
 
-/// Of a face, where its body is.
-Corners corners_of(const SearchedBody& body, std::uint32_t face);
-/// Of length 1; not a number if the face has no area.
-Vec3 normal_of(const Corners& corners);
+/// A face where its body is.
+struct PlacedFace {
+    PlacedFace(const SearchedBody& body, std::uint32_t face);
+
+    Corners corners;
+    Vec3 normal;  ///< of length 1; not a number if the face has no area
+};
+/// How far a face extends from a point in it along a direction in its plane.
+double extent(const PlacedFace& face, const Vec3& p, const Vec3& direction);
 
 /// Decides which points of the bodies' faces are on the surface of their union: those with points near them that are
 /// in no body.
@@ -29,11 +34,11 @@ public:
     /// Above the rounding of a point p of the body, and of another one. In the scene's units.
     double rounding(std::uint32_t body, std::uint32_t other, const Vec3& p) const;
 
-    /// p: on a face of a body, to rounding. corners: of the face.
-    bool is_on_union(const Vec3& p, std::uint32_t body, const Corners& corners) const;
+    /// p: on a face of a body, to rounding.
+    bool is_on_union(const Vec3& p, std::uint32_t body, const PlacedFace& face) const;
 
     /// Whether the face is on the union on one of the sides of a line in it. p: on this line. along: of length 1.
-    bool is_on_union_beside(const Vec3& p, const Vec3& along, std::uint32_t body, const Corners& corners) const;
+    bool is_on_union_beside(const Vec3& p, const Vec3& along, std::uint32_t body, const PlacedFace& face) const;
 
     /// Calls visit(body), which returns false to end, for the bodies whose boxes are near a point.
     template <typename Visit>
@@ -46,17 +51,13 @@ public:
 
 private:
     /// Whether a point a little in front of the face is in no other body.
-    bool is_free(const Vec3& p, const Vec3& normal, std::uint32_t body) const;
+    bool is_free(const Vec3& p, std::uint32_t body, const PlacedFace& face) const;
     /// The same beside p, in the face.
-    bool is_free_towards(const Vec3& p, const Vec3& direction, const Vec3& normal, std::uint32_t body,
-                         const Corners& corners) const;
+    bool is_free_towards(const Vec3& p, const Vec3& direction, std::uint32_t body, const PlacedFace& face) const;
 
     const SearchedScene& scene_;
     std::vector<double> largest_of_body_;
     double largest_ = 0;
 };
-
-/// How far a face extends from a point in it along a direction in its plane. normal: of length 1.
-double extent(const Corners& corners, const Vec3& normal, const Vec3& p, const Vec3& direction);
 
 }  // namespace clsdf::scenes
