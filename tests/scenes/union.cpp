@@ -251,3 +251,114 @@ BOOST_AUTO_TEST_CASE(an_arm_of_links) {
     BOOST_TEST(wrong == 0U);
     BOOST_TEST(inside > 1000U);
 }
+
+// Bodies with parts of their own that overlap, in overlaps: what all outputs say of one closest point.
+BOOST_AUTO_TEST_CASE(outputs_belong_to_the_closest_point) {
+    std::size_t wrong = 0, cuts = 0, faces = 0;
+    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+        Random random(seed);
+        const std::vector<Mesh> meshes{cube(0.8), make_shape("sphere2"), random_closed(random, 3), overlapping_cubes()};
+        Scene scene = union_scene();
+        std::vector<Pose> poses;
+        for (const Mesh& mesh : meshes) scene.add(mesh, poses.emplace_back(turned(random, random.point(-0.7, 0.7))));
+        const std::vector<Vec3> points = points_among(scene, random, 300);
+        PointValues found(points.size());
+        std::vector<std::uint8_t> site(points.size());
+        std::vector<double> weights(2 * points.size());
+        SceneTargets targets = found.targets();
+        targets.outputs[Output::site] = OutputArray(site);
+        targets.outputs[Output::barycentric] = OutputArray(weights);
+        scene.query(points, no_limit, targets);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            BOOST_REQUIRE(found.body[i] < meshes.size());
+            const Mesh& mesh = meshes[found.body[i]];
+            BOOST_REQUIRE(found.triangle[i] < mesh.triangles().size());
+            const Triangle& triangle = mesh.triangles()[found.triangle[i]];
+            const double u = weights[2 * i], v = weights[2 * i + 1];
+            Vec3 of_weights{};
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                of_weights[axis] = (1 - u - v) * mesh.vertices()[triangle[0]][axis] +
+                                   u * mesh.vertices()[triangle[1]][axis] + v * mesh.vertices()[triangle[2]][axis];
+            of_weights = moved(poses[found.body[i]], of_weights);
+            const double distance = std::abs(found.distance[i]), sign = found.distance[i] < 0 ? -1 : 1;
+            bool is_right = distance_between(of_weights, found.closest[i]) < 1e-11 && site[i] <= 7 &&
+                            std::abs(distance_between(points[i], found.closest[i]) - distance) < 1e-13;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double offset = found.closest[i][axis] - points[i][axis];
+                is_right = is_right && std::abs(found.offset[i][axis] - offset) < 1e-13 &&
+                           (distance < 1e-6 || std::abs(found.gradient[i][axis] + sign * offset / distance) < 1e-7);
+            }
+            wrong += is_right ? 0U : 1U;
+            cuts += site[i] == 7 ? 1U : 0U;
+            faces += site[i] == 6 && found.distance[i] < 0 ? 1U : 0U;
+        }
+    }
+    BOOST_TEST(wrong == 0U);
+    BOOST_TEST(cuts > 50U);
+    BOOST_TEST(faces > 500U);
+}
+
+// [-1, 1]^3 and the same 1.5 to the right: (0.75, 0, 0) is 1 from the sides, and 0.25 deep in both.
+BOOST_AUTO_TEST_CASE(moved_bodies_have_another_union) {
+    Scene scene = union_scene();
+    scene.add(cube(1));
+    scene.add_instance(0, at({1.5, 0, 0}));
+    const std::vector<Vec3> point{{0.75, 0.0, 0.0}};
+    const auto distance = [&](double half_width = no_limit) { return query(scene, point, half_width).distance[0]; };
+    const auto is_near = [](double found, double expected) { return std::abs(found - expected) < 1e-14; };
+    BOOST_TEST(is_near(distance(), -1));
+    BOOST_TEST(query(scene, point, 0.5).distance[0] == -0.5);
+    BOOST_TEST(query(scene, point, 0.5).body[0] == no_body);
+    BOOST_TEST(int{query(scene, point, 0.5).is_own[0]} == 1);
+    BOOST_TEST(scene.memory().host_bytes > 0U);
+    // The nearest point is on the edge where the side x = 1 leaves the second one.
+    scene.set_poses(std::vector<Pose>{Pose{}, at({1.5, 0.5, 0})});
+    BOOST_TEST(is_near(distance(), -std::hypot(0.25, 0.5)));
+    scene.set_active(1, false);
+    BOOST_TEST(is_near(distance(), -0.25));
+    scene.set_active(1, true);
+    scene.set_positions(0, scaled(cube(1), 0.5).vertices());
+    BOOST_TEST(is_near(distance(), of_cut_union(scene, point)[0]));
+    scene.set_positions(0, cube(1).vertices());
+    // Configurations, each with lines of its own.
+    const std::vector<Pose> poses{Pose{}, at({1.5, 0, 0}), Pose{}, at({1.5, 0.5, 0}), Pose{}, at({5, 0, 0})};
+    PointValues found(3);
+    scene.query_poses(point, poses, no_limit, found.targets());
+    for (std::size_t i = 0; i < 3; ++i) {
+        scene.set_poses(std::span(poses).subspan(2 * i, 2));
+        BOOST_TEST(found.distance[i] == distance());
+    }
+    // Floats.
+    std::vector<float> rounded(1);
+    scene.set_poses(std::span(poses).first(2));
+    scene.query(point, no_limit, {{{Output::distance, rounded}}});
+    BOOST_TEST(rounded[0] == -1.0F);
+}
+
+BOOST_AUTO_TEST_CASE(the_outer_surface_of_a_union_tells_the_faces_as_given) {
+    Scene scene = union_scene(), given(test_device());
+    for (Scene* one : {&scene, &given}) {
+        one->add(overlapping_cubes());
+        one->add(make_shape("sphere3"), at({0.5, 0.25, 0.125}));
+    }
+    const SceneSurface found = scene.outer(), expected = given.outer();
+    BOOST_TEST(std::abs(found.surface.volume - expected.surface.volume) < 1e-13);
+    BOOST_TEST((found.surface.faces == expected.surface.faces));
+    BOOST_TEST((found.bodies == expected.bodies));
+}
+
+BOOST_AUTO_TEST_CASE(what_a_union_does_not_have_is_named) {
+    Scene scene = union_scene();
+    const Mesh sheet({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, "sheet");
+    check_throws(ErrorCode::unsupported, {"sheet", "close_down"}, [&] { scene.add(sheet); });
+    check_throws(ErrorCode::unsupported, {"cube", "outer"}, [&] { scene.add(cube(1), {}, SignRule::none); });
+    BOOST_TEST(scene.size() == 0U);
+    scene.add(cube(1));
+    check_throws(ErrorCode::unsupported, {"outer()"},
+                 [&] { scene.compute(grid_at({-2, -2, -2}, 0.5, 9), Band::full()); });
+    const std::vector<double> half_widths{1};
+    const std::vector<Vec3> point{{0, 0, 0}};
+    std::vector<double> distance(1);
+    check_throws(ErrorCode::invalid_argument, {"half width"},
+                 [&] { scene.query(point, half_widths, {{{Output::distance, distance}}}); });
+}
