@@ -101,7 +101,8 @@ Asked read_bodies(const QueryOptions& options, Report& report) {
 
 void find_in_scene(const Asked& asked, const clsdf::Device& device, std::span<const Vec3> points, double half_width,
                    bool winding, const clsdf::CallOptions& call, Found& found) {
-    const clsdf::Scene scene = make_scene(*asked.scene, asked.bodies, device, call, parse_surface(options.sign.surface));
+    const clsdf::Scene scene =
+        make_scene(*asked.scene, asked.bodies, device, call, parse_surface(options.sign.surface));
     found.bodies = describe(*asked.scene, asked.bodies, scene);
     found.has_sign = scene.has_sign();
     found.statistics = scene.query(points, half_width, {found.values.targets()}, call);

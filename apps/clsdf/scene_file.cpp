@@ -139,10 +139,11 @@ std::size_t SceneMeshes::triangles() const {
 void refuse_beside_scene(const std::vector<std::string>& meshes, const SignChoice& sign,
                          const std::vector<std::string>& with, bool are_points) {
     if (sign.surface != "given" && !are_points)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("--surface: '{}' is a scene, whose fields are those of the bodies as given; points have "
-                                "the distance to the surface of all together: clsdf query --surface outer",
-                                *std::ranges::find_if(meshes, is_scene_file)));
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("--surface: '{}' is a scene, whose fields are those of the bodies as given; points have "
+                        "the distance to the surface of all together: clsdf query --surface outer",
+                        *std::ranges::find_if(meshes, is_scene_file)));
     const char* const option = meshes.size() > 1                          ? "several files"
                                : sign.rule != "auto"                      ? "--sign"
                                : sign.floor                               ? "--floor"

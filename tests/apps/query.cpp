@@ -411,7 +411,8 @@ BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
         run_command({"query", scene(R"(, {"mesh": ["cube.off"], "sign": "none"})"), points, "-o", result}).status == 0);
 
     // 0.3 and 0.2 deep in two cubes, and 1 in their union.
-    const std::string together = scene(R"(, {"instance": "base", "pose": [1, 0, 0, 1.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]})");
+    const std::string together =
+        scene(R"(, {"instance": "base", "pose": [1, 0, 0, 1.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]})");
     const std::string deep = inputs.folder.file("deep.csv", "x,y,z\n0.7,0,0\n");
     BOOST_TEST(run_command({"query", together, deep, "-o", result, "--surface", "outer", "--quiet"}).status == 0);
     BOOST_TEST(table_of(result)[1][3] == "-1");

@@ -82,12 +82,11 @@ void check_boxes(const std::vector<Box>& boxes, std::span<const Vec3> points, co
             return true;
         });
         const double expected = is_in_box && distance > 0 ? -distance : distance;
-        const bool is_right =
-            std::abs(found.distance[i] - expected) < tolerance && found.is_own[i] == 1 &&
-            (distance < tolerance || std::signbit(found.distance[i]) == std::signbit(expected)) &&
-            (!is_exact || (inside[i] != 0) == (expected < 0)) &&
-            std::abs(distance_between(asked[i], found.closest[i]) - distance) < tolerance &&
-            (!is_exact || cells.distance(found.closest[i]) < tolerance);
+        const bool is_right = std::abs(found.distance[i] - expected) < tolerance && found.is_own[i] == 1 &&
+                              (distance < tolerance || std::signbit(found.distance[i]) == std::signbit(expected)) &&
+                              (!is_exact || (inside[i] != 0) == (expected < 0)) &&
+                              std::abs(distance_between(asked[i], found.closest[i]) - distance) < tolerance &&
+                              (!is_exact || cells.distance(found.closest[i]) < tolerance);
         wrong += is_right ? 0U : 1U;
         if (!is_right)
             BOOST_TEST_MESSAGE("at " << points[i][0] << " " << points[i][1] << " " << points[i][2] << ": "
@@ -182,9 +181,8 @@ BOOST_AUTO_TEST_CASE(random_scenes_have_the_distances_of_their_cut_union) {
             const double error = std::abs(found.distance[i] - expected[i]);
             inside += expected[i] < 0 ? 1U : 0U;
             deeper += expected[i] < least.distance[i] - 1e-6 ? 1U : 0U;
-            const bool is_right =
-                error < tolerance &&
-                std::abs(distance_between(points[i], found.closest[i]) - std::abs(expected[i])) < tolerance;
+            const bool is_right = error < tolerance && std::abs(distance_between(points[i], found.closest[i]) -
+                                                                std::abs(expected[i])) < tolerance;
             wrong += is_right ? 0U : 1U;
             if (!is_right)
                 BOOST_TEST_MESSAGE("seed " << seed << " point " << i << ": " << found.distance[i] << " is "
@@ -215,9 +213,7 @@ struct Arm {
             }
         }
     }
-    static Mesh scaled_link(Mesh mesh) {
-        return moved_mesh(mesh);
-    }
+    static Mesh scaled_link(Mesh mesh) { return moved_mesh(mesh); }
     static Mesh moved_mesh(const Mesh& mesh) {
         return test::moved(mesh, [](const Vec3& p) { return Vec3{0.05 * p[0], 0.05 * p[1], 0.15 * p[2] + 0.13}; });
     }
@@ -354,11 +350,13 @@ BOOST_AUTO_TEST_CASE(what_a_union_does_not_have_is_named) {
     check_throws(ErrorCode::unsupported, {"cube", "outer"}, [&] { scene.add(cube(1), {}, SignRule::none); });
     BOOST_TEST(scene.size() == 0U);
     scene.add(cube(1));
-    check_throws(ErrorCode::unsupported, {"outer()"},
-                 [&] { scene.compute(grid_at({-2, -2, -2}, 0.5, 9), Band::full()); });
+    check_throws(ErrorCode::unsupported, {"outer()"}, [&] {
+        scene.compute(grid_at({-2, -2, -2}, 0.5, 9), Band::full());
+    });
     const std::vector<double> half_widths{1};
     const std::vector<Vec3> point{{0, 0, 0}};
     std::vector<double> distance(1);
-    check_throws(ErrorCode::invalid_argument, {"half width"},
-                 [&] { scene.query(point, half_widths, {{{Output::distance, distance}}}); });
+    check_throws(ErrorCode::invalid_argument, {"half width"}, [&] {
+        scene.query(point, half_widths, {{{Output::distance, distance}}});
+    });
 }
