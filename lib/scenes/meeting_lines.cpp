@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <tuple>
@@ -21,11 +22,15 @@ namespace clsdf::scenes {
 
 namespace {
 
-/// The faces of bodies that are near other bodies, as one mesh.
+/// A face by the numbers of its body and of itself in this body's tree.
+using FaceOfBody = std::pair<std::uint32_t, std::uint32_t>;
+
+/// The faces whose boxes meet those of faces of other bodies, as one mesh.
 struct NearFaces {
     std::vector<Vec3> vertices;  ///< times the power of two by which the largest coordinate is between 1/2 and 1
     std::vector<Triangle> triangles;
-    std::vector<std::uint32_t> bodies, faces;  ///< of each triangle; the face as its tree numbers it
+    std::vector<FaceOfBody> faces;  ///< of each triangle
+    std::vector<std::array<std::uint32_t, 2>> pairs;
     int exponent = 0;
 
     Vec3 in_scene(Vec3 p) const {
@@ -43,8 +48,13 @@ Box common_part(const Box& a, const Box& b) {
     return common;
 }
 
-/// Of each body that is on, the faces whose boxes meet the box of another one; ascending.
-std::vector<std::vector<std::uint32_t>> faces_near_others(const SearchedScene& scene) {
+/// Bodies whose boxes meet, and where.
+struct NearBodies {
+    std::uint32_t first, second;
+    Box common;
+};
+
+std::vector<NearBodies> near_bodies(const SearchedScene& scene) {
     std::vector<Box> boxes;
     std::vector<std::uint32_t> numbers;
     for (std::uint32_t i = 0; i < scene.bodies.size(); ++i) {
@@ -52,55 +62,77 @@ std::vector<std::vector<std::uint32_t>> faces_near_others(const SearchedScene& s
         numbers.push_back(i);
         boxes.push_back(scene.bodies[i].frame->to_scene(mesh_of(scene.bodies[i]).box));
     }
-    std::vector<std::pair<std::uint32_t, Box>> near;  // a body, and where another one may be
+    std::vector<NearBodies> near;
     const BoxIndex index(boxes);
     for (std::size_t leaf = 0; leaf < index.leaf_count(); ++leaf)
         index.for_each_pair(leaf, [&](std::size_t a, std::size_t b) {
-            const Box common = common_part(boxes[a], boxes[b]);
-            near.emplace_back(numbers[a], common);
-            near.emplace_back(numbers[b], common);
+            near.push_back({numbers[a], numbers[b], common_part(boxes[a], boxes[b])});
         });
-    std::vector<std::vector<std::uint32_t>> faces(scene.bodies.size());
-    for (const auto& [number, common] : near) {
-        const SearchedBody& body = scene.bodies[number];
-        const engine::UnitBox in_units(body.frame->to_body(common), mesh_of(body).lattice);
-        engine::visit_faces(*body.shape->inputs.leaves->tree, in_units, [&](std::size_t face) {
-            faces[number].push_back(static_cast<std::uint32_t>(face));
-            return false;
+    return near;
+}
+
+/// Calls visit(face) for the faces of a body whose boxes meet one in its coordinates.
+template <typename Visit>
+void visit_faces(const SearchedBody& body, const Box& box, const Visit& visit) {
+    engine::visit_faces(*body.shape->inputs.leaves->tree, engine::UnitBox(box, mesh_of(body).lattice),
+                        [&](std::size_t face) {
+                            visit(static_cast<std::uint32_t>(face));
+                            return false;
+                        });
+}
+
+/// The pairs of faces of two bodies whose boxes meet.
+std::vector<std::array<FaceOfBody, 2>> near_pairs(const SearchedScene& scene, const NearBodies& bodies) {
+    const SearchedBody &first = scene.bodies[bodies.first], &second = scene.bodies[bodies.second];
+    const double margin = 4 * relative_rounding * std::max(largest_of(first), largest_of(second));
+    std::vector<std::array<FaceOfBody, 2>> pairs;
+    visit_faces(first, first.frame->to_body(bodies.common), [&](std::uint32_t face) {
+        Box box = empty_box;
+        for (const Vec3& corner : mesh_of(first).corners(face)) {
+            const Vec3 p = second.frame->to_body(first.frame->to_scene(corner));
+            add(box, {p, p});
+        }
+        visit_faces(second, widened(box, margin), [&](std::uint32_t other) {
+            pairs.push_back({FaceOfBody{bodies.first, face}, FaceOfBody{bodies.second, other}});
         });
-    }
-    for (std::vector<std::uint32_t>& of_body : faces) {
-        std::ranges::sort(of_body);
-        of_body.erase(std::ranges::unique(of_body).begin(), of_body.end());
-    }
-    return faces;
+    });
+    return pairs;
 }
 
 NearFaces near_faces(const SearchedScene& scene) {
-    const std::vector<std::vector<std::uint32_t>> chosen = faces_near_others(scene);
+    const std::vector<NearBodies> bodies = near_bodies(scene);
+    std::vector<std::vector<std::array<FaceOfBody, 2>>> of_bodies(bodies.size());
+    for_each_index(
+        bodies.size(), [&](std::size_t i) { of_bodies[i] = near_pairs(scene, bodies[i]); }, 1);
     NearFaces near;
+    for (const auto& pairs : of_bodies)
+        for (const auto& pair : pairs) near.faces.insert(near.faces.end(), pair.begin(), pair.end());
+    std::ranges::sort(near.faces);
+    near.faces.erase(std::ranges::unique(near.faces).begin(), near.faces.end());
+    const auto number_of = [&](const FaceOfBody& face) {
+        return static_cast<std::uint32_t>(std::ranges::lower_bound(near.faces, face) - near.faces.begin());
+    };
+    for (const auto& pairs : of_bodies)
+        for (const auto& [a, b] : pairs) near.pairs.push_back({number_of(a), number_of(b)});
+
     double largest = 0;
-    for (std::uint32_t number = 0; number < chosen.size(); ++number) {
-        if (chosen[number].empty()) continue;
-        const SearchedBody& body = scene.bodies[number];
+    std::vector<std::uint32_t> numbers;  // of the vertices of a body
+    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    for (std::size_t i = 0; i < near.faces.size(); ++i) {
+        const SearchedBody& body = scene.bodies[near.faces[i].first];
         const engine::PointMesh& mesh = mesh_of(body);
-        constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-        std::vector<std::uint32_t> numbers(mesh.positions.size(), none);
-        for (const std::uint32_t face : chosen[number]) {
-            Triangle triangle = mesh.topology->faces.triangles[face];
-            for (std::uint32_t& corner : triangle) {
-                std::uint32_t& known = numbers[corner];
-                if (known == none) {
-                    known = static_cast<std::uint32_t>(near.vertices.size());
-                    near.vertices.push_back(body.frame->to_scene(mesh.positions[corner]));
-                    largest = std::max(largest, largest_of(near.vertices.back()));
-                }
-                corner = known;
+        if (i == 0 || near.faces[i - 1].first != near.faces[i].first) numbers.assign(mesh.positions.size(), none);
+        Triangle triangle = mesh.topology->faces.triangles[near.faces[i].second];
+        for (std::uint32_t& corner : triangle) {
+            std::uint32_t& known = numbers[corner];
+            if (known == none) {
+                known = static_cast<std::uint32_t>(near.vertices.size());
+                near.vertices.push_back(body.frame->to_scene(mesh.positions[corner]));
+                largest = std::max(largest, largest_of(near.vertices.back()));
             }
-            near.triangles.push_back(triangle);
-            near.bodies.push_back(number);
-            near.faces.push_back(face);
+            corner = known;
         }
+        near.triangles.push_back(triangle);
     }
     static_cast<void>(std::frexp(largest, &near.exponent));
     const std::vector<std::uint32_t> first = first_equal_vertices(near.vertices);
@@ -125,8 +157,8 @@ public:
     LinesOfFace(const UnionTest& test, const NearFaces& near, std::uint32_t number)
         : test_(test),
           near_(near),
-          body_(near.bodies[number]),
-          face_(near.faces[number]),
+          body_(near.faces[number].first),
+          face_(near.faces[number].second),
           placed_(test.scene().bodies[body_], face_) {}
 
     /// other: the face in which it meets this one, by its number among the near ones; none: it is in the same plane.
@@ -136,7 +168,7 @@ public:
         if (!(all > 0)) return;
         const Vec3 along{way[0] / all, way[1] / all, way[2] / all};
         const double least = 8 * test_.rounding(body_, body_, from);
-        find_third_bodies(from, to, other ? near_.bodies[*other] : body_);
+        find_third_bodies(from, to, other ? near_.faces[*other].first : body_);
         find_places(from, to);
         const std::uint32_t triangle = lowest_triangle();
         for (std::size_t i = 0; i + 1 < places_.size(); ++i) {
@@ -207,8 +239,8 @@ private:
     /// Whether two faces cross each other at a point of both, beyond rounding.
     bool cross_at(const Vec3& p, const Vec3& along, std::uint32_t other) const {
         constexpr double least_sine = 1e-3;
-        const std::uint32_t other_body = near_.bodies[other];
-        const PlacedFace others(test_.scene().bodies[other_body], near_.faces[other]);
+        const auto [other_body, other_face] = near_.faces[other];
+        const PlacedFace others(test_.scene().bodies[other_body], other_face);
         if (!(length(cross(placed_.normal, others.normal)) > least_sine)) return false;
         const double least = 8 * test_.rounding(body_, other_body, p);
         return continues(placed_, p, along, least) && continues(others, p, along, least);
@@ -233,10 +265,13 @@ MeetingLines::MeetingLines(const SearchedScene& scene) {
     const NearFaces near = near_faces(scene);
     if (near.triangles.empty()) return;
     const std::vector<cutting::View> views = cutting::views_of(near.vertices, near.triangles);
-    const cutting::FaceBoxes boxes(near.vertices, near.triangles, views);
+    std::vector<std::array<std::uint32_t, 2>> pairs;
+    std::ranges::copy_if(near.pairs, std::back_inserter(pairs), [&](const auto& pair) {
+        return views[pair[0]].direction != 0 && views[pair[1]].direction != 0;
+    });
     cutting::CutPoints points(near.vertices, near.triangles);
     const std::function<bool()> never;
-    const cutting::Meetings meetings(points, views, boxes, cutting::Cancellation(never, ""), near.bodies);
+    const cutting::Meetings meetings(points, views, pairs, cutting::Cancellation(never, ""));
 
     std::vector<std::uint32_t> met;
     for (std::uint32_t number = 0; number < near.triangles.size(); ++number)

@@ -38,6 +38,7 @@ void find_signs(const SearchedBody& body, std::span<const Vec3> in_body, std::sp
 PlaceInBody place_in(const SearchedBody& body, const Vec3& point, double rounding) {
     const Vec3 in_body = body.frame->to_body(point);
     if (!is_usable(body, in_body)) return PlaceInBody::outside;
+    if (!body.shape->has_film && distance_to(body.shape->sign_box, in_body) > rounding) return PlaceInBody::outside;
     std::uint32_t near = CLSDF_NO_FACE;
     const points::NearestOfPoint nearest = nearest_within(body, in_body, rounding, near);
     const double most = rounding / mesh_of(body).lattice.unit;

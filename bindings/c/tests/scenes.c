@@ -73,9 +73,9 @@ int main(void) {
     /* (0.7, 0, 0) is 0.3 and 0.2 deep in the two cubes, and 1 in their union. */
     options.surface = CLSDF_SURFACE_OUTER;
     OK(clsdf_scene_create(device, &options, &scene));
-    OK(clsdf_scene_add(scene, mesh, CLSDF_SIGN_AUTOMATIC, NULL, NULL, NULL));
+    OK(clsdf_scene_add(scene, mesh, CLSDF_SIGN_AUTOMATIC, NULL, NULL, &body));
     pose = pose_at(1.5);
-    OK(clsdf_scene_add_instance(scene, 1, &pose, NULL));
+    OK(clsdf_scene_add_instance(scene, 1, &pose, &body));
     OK(query(scene, &points[0][0], 4, HUGE_VAL, distance, NULL, NULL));
     CHECK(is_near(distance[0], 2) && is_near(distance[1], -1) && is_near(distance[2], -1));
     FAILS(CLSDF_UNSUPPORTED, "outer()", clsdf_scene_compute_field(scene, &grid, &band, 0, NULL, NULL, &field));
