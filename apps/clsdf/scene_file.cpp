@@ -137,12 +137,12 @@ std::size_t SceneMeshes::triangles() const {
 }
 
 void refuse_beside_scene(const std::vector<std::string>& meshes, const SignChoice& sign,
-                         const std::vector<std::string>& with, bool are_points) {
-    if (sign.surface != "given" && !are_points)
+                         const std::vector<std::string>& with, bool takes_surface) {
+    if (sign.surface != "given" && !takes_surface)
         throw Error(
             ErrorCode::invalid_argument,
-            fmt::format("--surface: '{}' is a scene, whose fields are those of the bodies as given; points have "
-                        "the distance to the surface of all together: clsdf query --surface outer",
+            fmt::format("--surface: '{}' is a scene, which is held against the bodies as given; leave it out, or "
+                        "make the outer surface a mesh",
                         *std::ranges::find_if(meshes, is_scene_file)));
     const char* const option = meshes.size() > 1                          ? "several files"
                                : sign.rule != "auto"                      ? "--sign"

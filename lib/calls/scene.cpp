@@ -284,6 +284,7 @@ KeptMemory Scene::memory() const {
         if (shape.moved) add(*shape.moved);
     }
     if (state.joined) add(state.joined->transform);
+    if (state.cut_union) add(state.cut_union->transform);
     const std::scoped_lock lock_of_lines(state.mutex);
     if (state.meeting_lines) sum.host_bytes += state.meeting_lines->host_bytes();
     return sum;

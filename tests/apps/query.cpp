@@ -416,8 +416,12 @@ BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
     const std::string deep = inputs.folder.file("deep.csv", "x,y,z\n0.7,0,0\n");
     BOOST_TEST(run_command({"query", together, deep, "-o", result, "--surface", "outer", "--quiet"}).status == 0);
     BOOST_TEST(table_of(result)[1][3] == "-1");
-    check_refused(run_command({"compute", together, "-o", inputs.folder.file("f.nrrd"), "--surface", "outer"}), 2,
-                  {"--surface", "clsdf query"});
+    const std::string field = inputs.folder.file("together.nrrd");
+    const Outcome made = run_command({"compute", together, "-o", field, "--surface", "outer", "--resolution", "16",
+                                      "--band", "full", "--with", "body", "--quiet"});
+    BOOST_TEST(made.status == 0, made.error);
+    BOOST_TEST(std::ranges::min(read_field(field).distance()) < -0.8F);
+    check_refused(run_command({"check", together, field, "--surface", "outer"}), 2, {"--surface", "scene.json"});
 
     for (const auto& [more, message] : std::vector<std::pair<std::string, std::string>>{
              {", {}", "body 1, counted from 0: it needs either 'mesh'"},

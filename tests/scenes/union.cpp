@@ -9,7 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <cstring>
 #include <vector>
 
 using namespace clsdf;
@@ -343,6 +343,33 @@ BOOST_AUTO_TEST_CASE(the_outer_surface_of_a_union_tells_the_faces_as_given) {
     BOOST_TEST((found.bodies == expected.bodies));
 }
 
+BOOST_AUTO_TEST_CASE(fields_of_a_union_are_those_of_its_cut_surface) {
+    Scene scene = union_scene();
+    scene.add(overlapping_cubes());
+    scene.add(make_shape("sphere3"), at({0.5, 0.25, 0.125}));
+    const Grid grid = grid_at({-2, -2, -2}, 0.17, 30);
+    const Band band = Band::symmetric(0.5);
+    for (const double shift : {0.0, 0.75}) {
+        scene.set_poses(std::vector<Pose>{at({shift, 0, 0}), at({0.5, 0.25, 0.125})});
+        const SceneSurface surface = scene.outer();
+        const DistanceTransform transform(test_device(), surface.surface.mesh);
+        const Field found = scene.compute(grid, band, Output::triangle | Output::body | Output::gradient);
+        const Field expected = transform.compute(grid, band, Output::triangle | Output::gradient);
+        BOOST_TEST(std::ranges::equal(found.distance(), expected.distance()));
+        BOOST_TEST(std::memcmp(found.gradient().data(), expected.gradient().data(), found.gradient().size_bytes()) ==
+                   0);
+        for (std::size_t i = 0; i < expected.triangle().size(); ++i) {
+            const std::uint32_t triangle = expected.triangle()[i];
+            const bool is_near = triangle != no_triangle;
+            BOOST_TEST(found.body()[i] == (is_near ? surface.bodies[triangle] : no_body));
+            BOOST_TEST(found.triangle()[i] == (is_near ? surface.surface.faces[triangle] : no_triangle));
+        }
+        // The body alone, and the distance alone.
+        BOOST_TEST(std::ranges::equal(scene.compute(grid, band, Output::body).body(), found.body()));
+        BOOST_TEST(std::ranges::equal(scene.compute(grid, band).distance(), found.distance()));
+    }
+}
+
 BOOST_AUTO_TEST_CASE(what_a_union_does_not_have_is_named) {
     Scene scene = union_scene();
     const Mesh sheet({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, "sheet");
@@ -350,8 +377,8 @@ BOOST_AUTO_TEST_CASE(what_a_union_does_not_have_is_named) {
     check_throws(ErrorCode::unsupported, {"cube", "outer"}, [&] { scene.add(cube(1), {}, SignRule::none); });
     BOOST_TEST(scene.size() == 0U);
     scene.add(cube(1));
-    check_throws(ErrorCode::unsupported, {"outer()"}, [&] {
-        scene.compute(grid_at({-2, -2, -2}, 0.5, 9), Band::full());
+    check_throws(ErrorCode::unsupported, {"barycentric", "look points up"}, [&] {
+        scene.compute(grid_at({-2, -2, -2}, 0.5, 9), Band::full(), Output::barycentric);
     });
     const std::vector<double> half_widths{1};
     const std::vector<Vec3> point{{0, 0, 0}};

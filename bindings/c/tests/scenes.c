@@ -78,7 +78,8 @@ int main(void) {
     OK(clsdf_scene_add_instance(scene, 1, &pose, &body));
     OK(query(scene, &points[0][0], 4, HUGE_VAL, distance, NULL, NULL));
     CHECK(is_near(distance[0], 2) && is_near(distance[1], -1) && is_near(distance[2], -1));
-    FAILS(CLSDF_UNSUPPORTED, "outer()", clsdf_scene_compute_field(scene, &grid, &band, 0, NULL, NULL, &field));
+    FAILS(CLSDF_UNSUPPORTED, "site",
+          clsdf_scene_compute_field(scene, &grid, &band, CLSDF_SET(CLSDF_SITE), NULL, NULL, &field));
     clsdf_scene_release(scene);
     options.surface = CLSDF_SURFACE_GIVEN;
     OK(clsdf_scene_create(device, &options, &scene));

@@ -103,8 +103,8 @@ class Scene(WithFields):
     each rotation is replaced by the nearest one.
 
     surface: 'given', or 'outer': the distances of points are those to the surface of the union of the bodies that are on,
-    within overlaps, too. Each mesh is replaced by its own outer surface when it is added; an open one is refused. Such a
-    scene has no fields: outer() has the mesh of one configuration.
+    within overlaps, too. Each mesh is replaced by its own outer surface when it is added; an open one is refused. Fields
+    are then those of outer(), which cuts faces anew when bodies have moved; 'site' and 'barycentric' are refused in them.
 
     device: as for Transform. kept_bytes: limit of the memory that is kept of each mesh; None: the library's default.
     Raises clsdf.Error; the scene stays as it was. Any number of threads may ask; calls that change the scene wait for

@@ -302,8 +302,10 @@ def test_a_scene_whose_surface_is_outer_has_the_distance_to_the_union(random):
     assert np.allclose(r.distance, expected, rtol=0, atol=1e-13) and (expected < 0).sum() > 100
     assert r.is_own.all() and set(r.body) == {0, 1}
     assert np.allclose(np.linalg.norm(points - r.closest, axis=1), abs(expected), rtol=0, atol=1e-13)
-    with pytest.raises(clsdf.Error, match="outer"):
-        scene.field(scene.grid(16), band="full")
+    field = scene.field(scene.grid(16), band="full", outputs="body")
+    assert np.allclose(field.distance.min(), expected.min(), atol=0.2) and set(np.unique(field.body)) == {0, 1}
+    with pytest.raises(clsdf.Error, match="site"):
+        scene.field(scene.grid(16), band="full", outputs="site")
     with pytest.raises(clsdf.Error, match="close_down"):
         scene.add([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     with pytest.raises(clsdf.Error, match="'union' is unknown"):

@@ -30,10 +30,10 @@ struct SceneOptions {
     /// Limit of the memory that is kept of each mesh: see TransformOptions::kept_bytes.
     std::optional<std::size_t> kept_bytes{};
     /// outer: query() and query_poses() give the distance to the surface of the union of all bodies that are on, inside
-    /// overlaps, too, with the outputs of the closest point there (docs/scenes.md, 'The union itself'). Each body's mesh
-    /// is replaced by its own outer surface when it is added, and add() throws as the constructor of a DistanceTransform
-    /// with TransformOptions::surface does. compute() throws Error(unsupported), and query() with a half width for each
-    /// body Error(invalid_argument).
+    /// overlaps, too, with the outputs of the closest point there (docs/scenes.md, 'The union itself'). Each body's
+    /// mesh is replaced by its own outer surface when it is added, and add() throws as the constructor of a
+    /// DistanceTransform with TransformOptions::surface does. compute() gives the field of the mesh of outer(), without
+    /// sites and barycentric coordinates; query() with a half width for each body throws Error(invalid_argument).
     Surface surface = Surface::given;
 };
 
@@ -71,8 +71,8 @@ struct SceneSurface {
 ///
 /// The distance is the least of the bodies' signed distances. Outside all bodies it is the distance to their union.
 /// Inside it is the depth in the deepest body: the union's surface is at least as far away; SceneOptions::surface has
-/// the union's own distance. A body without a sign counts with its distance. docs/scenes.md has the proof and a picture,
-/// docs/accuracy.md what poses cost.
+/// the union's own distance. A body without a sign counts with its distance. docs/scenes.md has the proof and a
+/// picture, docs/accuracy.md what poses cost.
 ///
 /// Members that are const may be called from several threads at once; the others, assignment and the destructor need
 /// the scene for themselves. Fields take turns. After an error the scene is that of before. Once moved from, every
