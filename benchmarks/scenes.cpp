@@ -1,7 +1,7 @@
 // The time of a step of an arm: new poses of all links, and points among them. The links are ellipsoids of 2,048 faces,
 // 0.1 wide and 0.3 long, each turned against the one before it by at most a radian. Neighbours overlap at the joints.
 // Prints a line for each case: the median of wall-clock and processor time, in milliseconds, and how many of a hundred
-// points of the first and the last step differ from the least of the links' own transforms.
+// points of the first and the last step differ from the least of the links' own transforms, or from the cut union.
 //
 // benchmark_scenes [STEPS]
 #include "benchmarks/cost.hpp"
@@ -37,6 +37,7 @@ struct Case {
     double half_width;
     bool are_instances;
     bool has_gradient;
+    clsdf::Surface surface = clsdf::Surface::given;
 };
 
 clsdf::Mesh link_of_arm() {
@@ -93,7 +94,7 @@ std::vector<Vec3> points_beside(const clsdf::Mesh& link, const std::vector<Pose>
 int run(const Case& measured, std::size_t steps) {
     const clsdf::Device device = clsdf::Device::automatic();
     const clsdf::Mesh link = link_of_arm();
-    clsdf::Scene scene(device);
+    clsdf::Scene scene(device, {.surface = measured.surface});
     for (std::size_t i = 0; i < measured.links; ++i)
         if (i > 0 && measured.are_instances)
             scene.add_instance(0);
@@ -122,7 +123,12 @@ int run(const Case& measured, std::size_t steps) {
         if (step > 0 && step + 1 < steps) continue;
         const std::size_t judged = std::min<std::size_t>(100, points.size());
         std::vector<double> least(judged, measured.half_width), of_link(judged);
+        if (measured.surface == clsdf::Surface::outer) {
+            const clsdf::DistanceTransform of_union(device, scene.outer().surface.mesh);
+            of_union.query(std::span(points).first(judged), measured.half_width, least);
+        }
         for (const Pose& pose : poses) {
+            if (measured.surface == clsdf::Surface::outer) break;
             transform.set_motion(pose.rotation, pose.translation);
             transform.query(std::span(points).first(judged), measured.half_width, of_link);
             for (std::size_t i = 0; i < judged; ++i) least[i] = std::min(least[i], of_link[i]);
@@ -142,10 +148,13 @@ int main(int argc, char** argv) {
     constexpr double no_limit = std::numeric_limits<double>::infinity();
     std::printf("seed %u, %zu steps\n%-36s %8s %8s %6s\n", seed, steps, "", "ms", "core ms", "wrong");
     int wrong = 0;
-    for (const Case& measured : {Case{"20 links, 1,000 points, within 0.1", 20, 1000, 0.1, false, false},
-                                 Case{"20 instances, the same", 20, 1000, 0.1, true, false},
-                                 Case{"8 links, 5,000 points, gradient", 8, 5000, no_limit, false, true},
-                                 Case{"1 link, 1,000 points", 1, 1000, no_limit, false, false}})
+    for (const Case& measured :
+         {Case{"20 links, 1,000 points, within 0.1", 20, 1000, 0.1, false, false},
+          Case{"20 instances, the same", 20, 1000, 0.1, true, false},
+          Case{"8 links, 5,000 points, gradient", 8, 5000, no_limit, false, true},
+          Case{"1 link, 1,000 points", 1, 1000, no_limit, false, false},
+          Case{"20 links, 1,000 points, their union", 20, 1000, 0.1, false, false, clsdf::Surface::outer},
+          Case{"8 links, 5,000 points, their union", 8, 5000, no_limit, false, true, clsdf::Surface::outer}})
         wrong += run(measured, steps);
     return wrong == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

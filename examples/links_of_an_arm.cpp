@@ -86,6 +86,16 @@ int main(int argc, char** argv) {
     for (std::size_t i = 0; i < count; ++i)
         if (distance[i] > 0) largest = std::max(largest, static_cast<double>(std::abs(depth[i] - distance[i])));
 
+    // The same without cutting faces, also for links that move.
+    clsdf::Scene united(device, {.surface = clsdf::Surface::outer});
+    united.add(link);
+    for (std::size_t i = 1; i < links; ++i) united.add_instance(0);
+    united.set_poses(poses_of(links, length, 0.02 * static_cast<double>(steps - 1)));
+    std::vector<float> without_cuts(count);
+    united.query(points, length, {{{Output::distance, without_cuts}}});
+    for (std::size_t i = 0; i < count; ++i)
+        largest = std::max(largest, static_cast<double>(std::abs(depth[i] - without_cuts[i])));
+
     const double of_steps = static_cast<double>(steps > 1 ? steps - 1 : 1);
     std::printf("%zu links of %zu triangles, %zu points: %zu have a link within %g in %zu steps\n", links,
                 link.triangles().size(), count, near, length, steps);

@@ -27,7 +27,7 @@ using clsdf::Stopwatch;
 
 /// Throws Error(invalid_argument or unsupported) for options that a scene's file has, or that are of one mesh.
 void refuse_options_of_meshes(const ComputeOptions& options, const ComputeRequest& request) {
-    refuse_beside_scene(options.mesh, options.sign, options.with);
+    refuse_beside_scene(options.mesh, options.sign, options.with, true);
     const char* const option = options.sparse                                  ? "--sparse"
                                : request.scan != clsdf::Scan::bricks           ? "--scan or --polyhedra"
                                : request.polyhedra != clsdf::Polyhedra::leaned ? "--polyhedra"
@@ -48,7 +48,7 @@ clsdf::Field compute(const SceneFile& file, const SceneMeshes& meshes, const Com
                      const std::stop_token& stop, clsdf::TransformStatistics& statistics, Json& bodies) {
     ProgressBar progress(!report.quiet);
     const clsdf::CallOptions call = watched_call(progress, report, stop);
-    const clsdf::Scene scene = make_scene(file, meshes, device, call);
+    const clsdf::Scene scene = make_scene(file, meshes, device, call, request.surface);
     bodies = describe(file, meshes, scene);
     if ((options.positive_inside || request.exact_signs) && !scene.has_sign())
         throw Error(ErrorCode::invalid_argument,

@@ -93,19 +93,20 @@ Asked read_bodies(const QueryOptions& options, Report& report) {
         asked.bodies.meshes.push_back(read_body(options.meshes(), options.reading, report));
         return asked;
     }
-    refuse_beside_scene(options.meshes(), options.sign, options.with);
+    refuse_beside_scene(options.meshes(), options.sign, options.with, true);
     asked.scene = read_scene(options.mesh);
     asked.bodies = read_meshes(*asked.scene, options.reading, report);
     return asked;
 }
 
-void find_in_scene(const Asked& asked, const clsdf::Device& device, std::span<const Vec3> points, double half_width,
-                   bool winding, const clsdf::CallOptions& call, Found& found) {
-    const clsdf::Scene scene = make_scene(*asked.scene, asked.bodies, device, call);
+void find_in_scene(const QueryOptions& options, const clsdf::Device& device, const Asked& asked,
+                   std::span<const Vec3> points, double half_width, const clsdf::CallOptions& call, Found& found) {
+    const clsdf::Scene scene =
+        make_scene(*asked.scene, asked.bodies, device, call, parse_surface(options.sign.surface));
     found.bodies = describe(*asked.scene, asked.bodies, scene);
     found.has_sign = scene.has_sign();
     found.statistics = scene.query(points, half_width, {found.values.targets()}, call);
-    if (!winding) return;
+    if (!options.winding) return;
     std::vector<double> sums(points.size());
     scene.winding(points, sums, call);
     for (const double sum : sums) found.winding.push_back(static_cast<float>(sum));
@@ -121,7 +122,7 @@ void find(const QueryOptions& options, const clsdf::Device& device, const Asked&
         if (outputs_of(options, asked).contains(info.output)) found.values.resize(info.output, points.size());
     const Stopwatch watch;
     if (asked.scene) {
-        find_in_scene(asked, device, points, half_width, options.winding, call, found);
+        find_in_scene(options, device, asked, points, half_width, call, found);
     } else {
         const clsdf::DistanceTransform transform(device, asked.mesh(), transform_options, call);
         found.sign = transform.sign();

@@ -137,11 +137,16 @@ std::size_t SceneMeshes::triangles() const {
 }
 
 void refuse_beside_scene(const std::vector<std::string>& meshes, const SignChoice& sign,
-                         const std::vector<std::string>& with) {
+                         const std::vector<std::string>& with, bool takes_surface) {
+    if (sign.surface != "given" && !takes_surface)
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("--surface: '{}' is a scene, which is held against the bodies as given; leave it out, or "
+                        "make the outer surface a mesh",
+                        *std::ranges::find_if(meshes, is_scene_file)));
     const char* const option = meshes.size() > 1                          ? "several files"
                                : sign.rule != "auto"                      ? "--sign"
                                : sign.floor                               ? "--floor"
-                               : sign.surface != "given"                  ? "--surface"
                                : std::ranges::count(with, group_word) > 0 ? "--with group"
                                                                           : nullptr;
     if (option != nullptr)
@@ -162,8 +167,8 @@ SceneMeshes read_meshes(const SceneFile& file, const MeshReading& reading, Repor
 }
 
 clsdf::Scene make_scene(const SceneFile& file, const SceneMeshes& meshes, const clsdf::Device& device,
-                        const clsdf::CallOptions& call) {
-    clsdf::Scene scene(device);
+                        const clsdf::CallOptions& call, clsdf::Surface surface) {
+    clsdf::Scene scene(device, {.surface = surface});
     for (std::size_t i = 0; i < file.bodies.size(); ++i) {
         const SceneFile::Body& body = file.bodies[i];
         if (body.of)

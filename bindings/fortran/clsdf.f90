@@ -641,7 +641,7 @@ module clsdf
   type, bind(C) :: c_scene_options
     integer(c_size_t) :: struct_size = 0
     integer(c_int64_t) :: kept_bytes = -1
-    integer(c_int32_t) :: index_base = 1, reserved = 0
+    integer(c_int32_t) :: index_base = 1, surface = CLSDF_SURFACE_GIVEN
   end type
 
   !> Bodies have numbers from 1, in the order in which they were added.
@@ -5633,16 +5633,20 @@ contains
     if (present(pose)) c = pose_for_c(pose)
   end function
 
-  !> A scene without bodies. The host computes; points and results may be in the device's memory.
-  subroutine scene_create(self, device, kept_bytes, stat, errmsg)
+  !> A scene without bodies. The host computes; points and results may be in the device's memory. surface:
+  !> CLSDF_SURFACE_GIVEN, the default, or CLSDF_SURFACE_OUTER: distances of points are those to the surface of the union of
+  !> the bodies, within overlaps, too.
+  subroutine scene_create(self, device, kept_bytes, stat, errmsg, surface)
     class(clsdf_scene), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     integer(c_int64_t), intent(in), optional :: kept_bytes
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t), intent(in), optional :: surface
     type(c_scene_options) :: c
     call self%release()
     c%struct_size = c_sizeof(c)
+    if (present(surface)) c%surface = surface
     if (present(kept_bytes)) c%kept_bytes = kept_bytes
     call clsdf_finish(c_scene_create(device%handle, c, self%handle), stat, errmsg)
   end subroutine

@@ -91,7 +91,8 @@ std::shared_ptr<const scenes::BodyTree> Scene::State::current_tree() {
 
 template <typename MeshOrView>
 Scene::State::Shape Scene::State::make_shape(const MeshOrView& mesh, SignRule sign, const CallOptions& call) const {
-    DistanceTransform transform(device, mesh, {.sign = sign, .kept_bytes = options.kept_bytes}, call);
+    DistanceTransform transform(device, mesh,
+                                {.sign = sign, .kept_bytes = options.kept_bytes, .surface = options.surface}, call);
     const Box box = transform.box();
     return {std::move(transform), box, sign};
 }
@@ -141,7 +142,7 @@ std::uint32_t Scene::State::add(std::span<const Mesh> meshes, std::span<const Po
         shapes.splice(shapes.end(), made[i]);
         bodies.push_back({&shapes.back(), frames[i], true});
     }
-    tree.reset();
+    forget_poses();
     return first;
 }
 
@@ -151,7 +152,7 @@ std::uint32_t Scene::State::add_body(const Pose& pose, const MakeShape& make_sha
     const scenes::Frame frame = frame_of(pose, of_body(bodies.size()));
     if (bodies.size() == bodies.capacity()) bodies.reserve(2 * bodies.size() + 1);  // so that nothing fails below
     bodies.push_back({&make_shape(), frame, true});
-    tree.reset();
+    forget_poses();
     return static_cast<std::uint32_t>(bodies.size() - 1);
 }
 
@@ -196,7 +197,7 @@ void Scene::set_poses(std::span<const Pose> poses) {
         std::vector<scenes::Frame> frames(poses.size());
         for (std::size_t i = 0; i < poses.size(); ++i) frames[i] = frame_of(poses[i], of_body(i));
         for (std::size_t i = 0; i < poses.size(); ++i) state.bodies[i].frame = frames[i];
-        state.tree.reset();
+        state.forget_poses();
     });
 }
 
@@ -217,7 +218,7 @@ void Scene::set_poses(std::span<const std::uint32_t> bodies, std::span<const Pos
             frames[i] = frame_of(poses[i], of_body(bodies[i]));
         }
         for (std::size_t i = 0; i < poses.size(); ++i) state.bodies[bodies[i]].frame = frames[i];
-        state.tree.reset();
+        state.forget_poses();
     });
 }
 
@@ -229,13 +230,13 @@ void Scene::set_positions(std::uint32_t body, const InputArray& positions, const
     shape.moved_to.reset();
     shape.longest_edge.reset();
     if (state.joined) state.joined->frames.clear();
-    state.tree.reset();
+    state.forget_poses();
 }
 
 void Scene::set_active(std::uint32_t body, bool is_active) {
     State& state = this->state();
     state.body(body).is_active = is_active;
-    state.tree.reset();
+    state.forget_poses();
 }
 
 std::size_t Scene::size() const {
@@ -283,6 +284,9 @@ KeptMemory Scene::memory() const {
         if (shape.moved) add(*shape.moved);
     }
     if (state.joined) add(state.joined->transform);
+    if (state.cut_union) add(state.cut_union->transform);
+    const std::scoped_lock lock_of_lines(state.mutex);
+    if (state.meeting_lines) sum.host_bytes += state.meeting_lines->host_bytes();
     return sum;
 }
 

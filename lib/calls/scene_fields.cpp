@@ -161,6 +161,40 @@ CallStatistics Scene::State::compute(const Request& request, const CallOptions& 
     calls::RunningCall running{call};
     running.throw_if_stopped();
     const std::scoped_lock lock(field_mutex);
+    targets::HostArrays wanted = targets.arrays, arrays;
+    bool has_extras = false;
+    for (const OutputInfo& info : extra_outputs()) has_extras = has_extras || wanted[info.output].is_wanted;
+    targets::HostArrays needed;
+    needed[Output::body].is_wanted = has_extras;
+    needed[Output::triangle].is_wanted = has_extras && is_union();
+    PartArrays own(context()), own_needed(context());
+    for (const Output output : {Output::body, Output::triangle})
+        wanted[output].is_wanted = wanted[output].is_wanted || needed[output].is_wanted;
+    if (targets.are_packed) {
+        arrays = targets.arrays;
+        for (const Output output : {Output::body, Output::triangle})
+            if (arrays[output].data != nullptr) needed[output].is_wanted = false;
+        const targets::HostArrays added = own_needed.for_samples(needed, samples);
+        for (const Output output : {Output::body, Output::triangle})
+            if (needed[output].is_wanted) arrays[output] = added[output];
+    } else {
+        arrays = own.for_samples(wanted, samples);
+    }
+    if (is_union())
+        compute_union(request, arrays, call, running);
+    else
+        compute_least(request, wanted, arrays, call, running);
+    running.statistics.host_bytes += own.bytes() + own_needed.bytes();
+    if (!targets.are_packed) targets.store(grid, arrays);
+    memory.unmap();
+    return running.finish();
+}
+
+void Scene::State::compute_least(const Request& request, const targets::HostArrays& wanted,
+                                 const targets::HostArrays& arrays, const CallOptions& call,
+                                 calls::RunningCall& running) {
+    const Grid& grid = request.grid;
+    const Band& band = request.band;
     std::vector<FieldPart> parts;
     for (std::uint32_t i = 0; i < bodies.size(); ++i) {
         const Body& body = bodies[i];
@@ -179,27 +213,13 @@ CallStatistics Scene::State::compute(const Request& request, const CallOptions& 
         return step.parts.size() == 1 ? step.parts.front().grid.sample_count() : 0;
     });
     const bool has_whole =
-        largest != steps.end() && largest->parts.size() == 1 && largest->sample_count() >= samples / 2;
+        largest != steps.end() && largest->parts.size() == 1 && largest->sample_count() >= grid.sample_count() / 2;
     if (has_whole) {
         largest->block = largest->parts.front().grid = grid;
         std::rotate(steps.begin(), largest, largest + 1);
     }
 
-    targets::HostArrays wanted = targets.arrays, arrays;
-    bool has_extras = false;
-    for (const OutputInfo& info : extra_outputs()) has_extras = has_extras || wanted[info.output].is_wanted;
-    wanted[Output::body].is_wanted = has_extras;
-    PartArrays own(context()), own_bodies(context()), of_block(context());
-    if (targets.are_packed) {
-        arrays = targets.arrays;
-        if (has_extras && arrays[Output::body].data == nullptr) {
-            targets::HostArrays only;
-            only[Output::body].is_wanted = true;
-            arrays[Output::body] = own_bodies.for_samples(only, samples)[Output::body];
-        }
-    } else {
-        arrays = own.for_samples(wanted, samples);
-    }
+    PartArrays of_block(context());
     scenes::LeastField least(grid, arrays);
     if (!has_whole) least.clear(band.outside);
 
@@ -232,10 +252,40 @@ CallStatistics Scene::State::compute(const Request& request, const CallOptions& 
                 [&](std::size_t i) { least.add(step.parts[i].grid, step.block, values, step.parts[i].body); }, 1);
         done = next;
     }
-    running.statistics.host_bytes += own.bytes() + own_bodies.bytes() + of_block.bytes();
-    if (!targets.are_packed) targets.store(grid, arrays);
-    memory.unmap();
-    return running.finish();
+    running.statistics.host_bytes += of_block.bytes();
+}
+
+void Scene::State::compute_union(const Request& request, const targets::HostArrays& arrays, const CallOptions& call,
+                                 calls::RunningCall& running) {
+    for (const Output output : {Output::site, Output::barycentric})
+        if (arrays[output].data != nullptr)
+            throw Error(
+                ErrorCode::unsupported,
+                fmt::format("{} of a field of a scene whose surface is outer is not known; leave it out, or look "
+                            "points up",
+                            info_of(output).name));
+    if (!cut_union) {
+        SceneSurface surface = outer(call);
+        cut_union = CutUnion{std::move(surface.bodies), std::move(surface.surface.faces),
+                             DistanceTransform(device, surface.surface.mesh,
+                                               {.sign = SignRule::nonzero, .kept_bytes = options.kept_bytes},
+                                               {.should_stop = call.should_stop})};
+    }
+    const std::size_t samples = request.grid.sample_count();
+    const Request asked{request.grid, request.band, targets_of(arrays, samples)};
+    CallOptions of_surface = call;
+    of_surface.wait_list = {};
+    add_statistics(
+        running.statistics,
+        detail::TransformAccess::state(cut_union->transform).compute_on_host(std::span(&asked, 1), of_surface));
+    if (arrays[Output::triangle].data == nullptr) return;
+    auto* const triangles = reinterpret_cast<std::uint32_t*>(arrays[Output::triangle].data);
+    auto* const numbers = reinterpret_cast<std::uint32_t*>(arrays[Output::body].data);
+    for_each_index(samples, [&](std::size_t i) {
+        const std::uint32_t triangle = triangles[i];
+        numbers[i] = triangle == no_triangle ? no_body : cut_union->bodies[triangle];
+        if (triangle != no_triangle) triangles[i] = cut_union->faces[triangle];
+    });
 }
 
 TransformStatistics Scene::compute(const Grid& grid, const Band& band, const OutputTargets& targets,

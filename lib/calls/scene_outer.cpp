@@ -45,11 +45,16 @@ SceneSurface Scene::State::outer(const CallOptions& call) const {
         auto found = surfaces.find(body.shape);
         if (found == surfaces.end()) {
             auto& of_shape = detail::TransformAccess::state(body.shape->transform);
+            std::vector<std::uint32_t> given;  // the faces of an outer surface
             const Mesh mesh = [&] {
                 const std::scoped_lock lock(of_shape.mutex);
+                given.assign(of_shape.kept_mesh->numbers().begin(), of_shape.kept_mesh->numbers().end());
                 return of_shape.kept_mesh->mesh();
             }();
-            found = surfaces.emplace(body.shape, outer_of_body(mesh, body.shape->asked, number, call)).first;
+            const SignRule rule = is_union() ? SignRule::nonzero : body.shape->asked;
+            found = surfaces.emplace(body.shape, outer_of_body(mesh, rule, number, call)).first;
+            if (!given.empty())
+                for (std::uint32_t& face : found->second.faces) face = given[face];
         }
         const OuterSurface& own = found->second;
         const auto first = static_cast<std::uint32_t>(vertices.size());

@@ -27,7 +27,7 @@ namespace clsdf {
 class Scene::State::Call {
 public:
     Call(State& state, OutputSet outputs, std::size_t count, calls::RunningCall& running)
-        : tree_(state.current_tree()), bodies_(state.bodies.size()) {
+        : state_(state), tree_(state.current_tree()), bodies_(state.bodies.size()) {
         for (std::uint32_t i = 0; i < state.bodies.size(); ++i) {
             const Body& body = state.bodies[i];
             if (!body.is_active) continue;
@@ -37,7 +37,18 @@ public:
         }
     }
 
-    scenes::SearchedScene scene() const { return {bodies_, *tree_, with_films_}; }
+    scenes::SearchedScene scene() const {
+        scenes::SearchedScene scene{bodies_, *tree_, with_films_};
+        if (state_.is_union())
+            scene.meeting_lines = [this] {
+                const std::scoped_lock lock(state_.mutex);
+                if (!state_.meeting_lines)
+                    state_.meeting_lines = std::make_shared<const scenes::MeetingLines>(
+                        scenes::SearchedScene{bodies_, *tree_, with_films_});
+                return state_.meeting_lines;
+            };
+        return scene;
+    }
 
     /// Calls use(scene) with the bodies at other poses.
     template <typename Use>
@@ -45,7 +56,16 @@ public:
         const scenes::BodyTree tree = state.tree_at(frames);
         std::vector<scenes::SearchedBody> bodies = bodies_;
         for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].frame = &frames[i];
-        use(scenes::SearchedScene{bodies, tree, with_films_});
+        scenes::SearchedScene scene{bodies, tree, with_films_};
+        std::shared_ptr<const scenes::MeetingLines> lines;
+        if (state.is_union())
+            scene.meeting_lines = [&] {
+                if (!lines)
+                    lines =
+                        std::make_shared<const scenes::MeetingLines>(scenes::SearchedScene{bodies, tree, with_films_});
+                return lines;
+            };
+        use(scene);
     }
 
 private:
@@ -64,6 +84,7 @@ private:
         return searched;
     }
 
+    State& state_;
     std::shared_ptr<const scenes::BodyTree> tree_;
     std::vector<scenes::SearchedBody> bodies_;
     std::vector<std::uint32_t> with_films_;
@@ -215,6 +236,11 @@ TransformStatistics Scene::query(const InputArray& points, std::span<const doubl
                                  const SceneTargets& targets, const CallOptions& call) const {
     return with_host_memory("for the points; give fewer at once", [&] {
         check_one_a_body(half_widths, size());
+        if (state().is_union())
+            throw Error(
+                ErrorCode::invalid_argument,
+                "a half width for each body is given in a scene whose surface is outer, which is one surface of "
+                "all bodies; give one half width");
         if (!targets.is_own.empty())
             throw Error(ErrorCode::invalid_argument,
                         "is_own is asked for with a half width for each body; bodies beyond theirs do not count, so "

@@ -2,11 +2,14 @@
 
 #include <clsdf/scene.hpp>
 
+#include "calls/call.hpp"
 #include "core/call_mutex.hpp"
 #include "core/statistics.hpp"
 #include "device/context.hpp"
 #include "scenes/body_tree.hpp"
 #include "scenes/frame.hpp"
+#include "scenes/meeting_lines.hpp"
+#include "targets/host_arrays.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -70,6 +73,12 @@ struct __attribute__((visibility("hidden"))) Scene::State {
         friend auto operator<=>(const KindOfBody&, const KindOfBody&) = default;
     };
 
+    /// The outer surface of all bodies that are on, where they are.
+    struct CutUnion {
+        std::vector<std::uint32_t> bodies, faces;  ///< of each triangle of the transform's mesh
+        DistanceTransform transform;
+    };
+
     /// The part of a field's grid that a body reaches.
     struct FieldPart {
         std::uint32_t body;
@@ -123,6 +132,14 @@ struct __attribute__((visibility("hidden"))) Scene::State {
 
     std::shared_ptr<const scenes::BodyTree> current_tree();
 
+    bool is_union() const { return options.surface == Surface::outer; }
+    /// To be called when bodies have been added, moved or switched.
+    void forget_poses() {
+        tree.reset();
+        meeting_lines.reset();
+        cut_union.reset();
+    }
+
     // scene.cpp
     /// Of the bodies that are on.
     scenes::BodyTree tree_at(std::span<const scenes::Frame> frames) const;
@@ -139,6 +156,12 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     SignRule field_sign() const;
     Box box();
     CallStatistics compute(const Request& request, const CallOptions& call);
+    // Both need field_mutex. arrays: packed, of the grid; with the body if there are other outputs than the distance.
+    void compute_least(const Request& request, const targets::HostArrays& wanted, const targets::HostArrays& arrays,
+                       const CallOptions& call, calls::RunningCall& running);
+    /// With the triangle beside the body.
+    void compute_union(const Request& request, const targets::HostArrays& arrays, const CallOptions& call,
+                       calls::RunningCall& running);
     /// A transform of the body's mesh in the scene's coordinates, until that of another one is asked for. Needs
     /// field_mutex.
     const DistanceTransform& placed(const Body& body);
@@ -171,10 +194,12 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     std::vector<Body> bodies{};
 
     std::mutex mutex{};
-    std::shared_ptr<const scenes::BodyTree> tree{};  ///< null after a change; guarded by the mutex
+    std::shared_ptr<const scenes::BodyTree> tree{};               ///< null after a change; guarded by the mutex
+    std::shared_ptr<const scenes::MeetingLines> meeting_lines{};  ///< the same
 
     CallMutex field_mutex{"the scene that makes the call"};  ///< for the transforms that are moved for fields
     std::optional<JoinedBodies> joined{};                    ///< of the last field; guarded by field_mutex
+    std::optional<CutUnion> cut_union{};                     ///< the same, unless bodies have moved since
 };
 
 }  // namespace clsdf

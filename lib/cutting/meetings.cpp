@@ -214,18 +214,38 @@ FaceBoxes::FaceBoxes(std::span<const Vec3> vertices, std::span<const Triangle> t
 }
 
 Meetings::Meetings(CutPoints& points, std::span<const View> views, const FaceBoxes& boxes,
-                   const Cancellation& cancellation)
-    : begins_(views.size() + 1) {
-    std::vector<std::vector<RawSegment>> by_group(boxes.pair_groups());
+                   const Cancellation& cancellation) {
+    find(
+        points, views, boxes.pair_groups(), 16,
+        [&](std::size_t group, const auto& f) { boxes.for_each_pair(group, f); }, cancellation);
+}
+
+Meetings::Meetings(CutPoints& points, std::span<const View> views, std::span<const std::array<std::uint32_t, 2>> pairs,
+                   const Cancellation& cancellation) {
+    constexpr std::size_t in_group = 64;
+    find(
+        points, views, chunk_count(pairs.size(), in_group), 1,
+        [&](std::size_t group, const auto& f) {
+            const std::size_t begin = group * in_group;
+            for (const auto& [a, b] : pairs.subspan(begin, std::min(in_group, pairs.size() - begin))) f(a, b);
+        },
+        cancellation);
+}
+
+template <typename ForEachPair>
+void Meetings::find(CutPoints& points, std::span<const View> views, std::size_t groups, std::size_t grain,
+                    const ForEachPair& for_each_pair, const Cancellation& cancellation) {
+    begins_.assign(views.size() + 1, 0);
+    std::vector<std::vector<RawSegment>> by_group(groups);
     for_each_index(
-        boxes.pair_groups(),
+        groups,
         [&](std::size_t group) {
             cancellation.check();
-            boxes.for_each_pair(group, [&](std::uint32_t first, std::uint32_t second) {
+            for_each_pair(group, [&](std::uint32_t first, std::uint32_t second) {
                 Pair(points, views, first, second).add_to(by_group[group]);
             });
         },
-        16);
+        grain);
     // Points get their numbers in the order of the faces.
     std::vector<RawSegment> found;
     for (std::vector<RawSegment>& group : by_group) std::ranges::move(group, std::back_inserter(found));

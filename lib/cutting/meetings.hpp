@@ -6,6 +6,7 @@
 #include "cutting/cut_points.hpp"
 #include "mesh/box_index.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -58,6 +59,9 @@ class Meetings {
 public:
     /// Numbers the points.
     Meetings(CutPoints& points, std::span<const View> views, const FaceBoxes& boxes, const Cancellation& cancellation);
+    /// The same of these pairs of faces alone, the lower one first, which have an area.
+    Meetings(CutPoints& points, std::span<const View> views, std::span<const std::array<std::uint32_t, 2>> pairs,
+             const Cancellation& cancellation);
 
     /// Of a face; none if it meets no other.
     std::span<const FaceSegment> of(std::uint32_t face) const {
@@ -65,6 +69,11 @@ public:
     }
 
 private:
+    /// for_each_pair(group, f) calls f(first, second).
+    template <typename ForEachPair>
+    void find(CutPoints& points, std::span<const View> views, std::size_t groups, std::size_t grain,
+              const ForEachPair& for_each_pair, const Cancellation& cancellation);
+
     std::vector<FaceSegment> segments_;  // face after face
     std::vector<std::size_t> begins_;
 };

@@ -1,19 +1,18 @@
 #include "scenes/scene_points.hpp"
 
 #include "core/floating_point.hpp"
-#include "core/outputs.hpp"
 #include "core/parallel.hpp"
 #include "points/curve_order.hpp"
 #include "points/point_run.hpp"
-#include "points/signs_by_host.hpp"
-#include "tree/wide_tree.hpp"
+#include "scenes/meeting_lines.hpp"
+#include "scenes/point_outputs.hpp"
+#include "scenes/union_search.hpp"
 
 #include "point_order.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <mutex>
@@ -25,24 +24,7 @@ namespace clsdf::scenes {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t most_in_chunk = 64;
-
-bool is_finite(const Vec3& p) {
-    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
-
-/// What is known of a point.
-struct Found {
-    /// The least signed distance so far, squared, with its sign, in the scene's units: infinite beyond the half width.
-    double value = infinity;
-    std::uint32_t body = no_body;  ///< whose value is the least, or inside which the point lies beyond the half width
-    std::uint32_t face = CLSDF_NO_FACE;
-    std::uint8_t sign = CLSDF_POINT_OUTSIDE;
-    bool is_left_out = false;        ///< a body is too far away to be searched
-    double not_searched = infinity;  ///< the least distance from the boxes of such bodies
-
-    bool is_inside() const { return sign == CLSDF_POINT_INSIDE; }
-};
+constexpr std::size_t most_in_chunk = most_at_once;
 
 /// What one body says of a point.
 struct OfBody {
@@ -70,45 +52,10 @@ void take(const OfBody& of_body, double unit, std::uint32_t body, Found& found) 
     found.sign = of_body.sign;
 }
 
-const engine::PointMesh& mesh_of(const SearchedBody& body) {
-    return *body.shape->inputs.on_host;
-}
-
-double largest_of(const Vec3& p) {
-    return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
-}
-
-/// The largest coordinate of a body, in its own frame and of its translation.
-double largest_of(const SearchedBody& body) {
-    const Box& box = mesh_of(body).box;
-    return std::max({largest_of(box.lower), largest_of(box.upper), largest_of(body.frame->translation)});
-}
-
 /// Whether all that lies in a box is farther from a point than a computed distance, whatever that was rounded by.
 bool is_farther(const Box& box, const Vec3& p, double distance) {
     const double largest = std::max({largest_of(box.lower), largest_of(box.upper), largest_of(p)});
     return distance_to(box, p) * (1 - 1e-13) - 1e-14 * largest > distance;
-}
-
-bool is_usable(const SearchedBody& body, const Vec3& in_body) {
-    return engine::contains(body.shape->usable.limits, in_body);
-}
-
-/// A search within a half width in a body that need not decide signs.
-points::NearestOfPoint nearest_within(const SearchedBody& body, const Vec3& in_body, double half_width,
-                                      std::uint32_t& near) {
-    const engine::PointMesh& mesh = mesh_of(body);
-    return points::find_nearest(body.shape->inputs, mesh.in_units(in_body), points::search_limit(mesh, half_width),
-                                near);
-}
-
-/// Those of the points in a body that are CLSDF_POINT_UNDECIDED.
-void find_signs(const SearchedBody& body, std::span<const Vec3> in_body, std::span<const double> squared,
-                std::span<std::uint8_t> signs) {
-    std::array<std::uint32_t, most_in_chunk> order;
-    for (std::size_t i = 0; i < in_body.size(); ++i) order[i] = static_cast<std::uint32_t>(i);
-    points::find_signs({mesh_of(body), *body.shape->inputs.leaves->tree}, body.shape->inputs.sign,
-                       {in_body, std::span(order).first(in_body.size()), squared}, signs);
 }
 
 /// Looks up points, at most most_in_chunk, in one body and calls use(i, of_body) for each. A face farther away than
@@ -144,112 +91,6 @@ void for_each_body(const std::vector<Pair>& asked, const Visit& visit) {
         visit(asked[begin].body, begin, end - begin);
     }
 }
-
-/// The outputs of one point by one body, in double, and then in the scene's coordinates.
-class Outputs {
-public:
-    /// wanted: the outputs of all points.
-    explicit Outputs(const targets::HostArrays& wanted) : wanted_(wanted) {
-        std::size_t used = 0;
-        for_each_output(
-            [&](const OutputInfo& info, targets::HostArray& array, const targets::HostArray& asked) {
-                // The distance is NaN unless it is written, and the closest point beyond the half width.
-                array.is_wanted = asked.is_wanted || info.output == Output::distance || info.output == Output::closest;
-                array.in_double = may_be_double(info);
-                array.data = reinterpret_cast<std::byte*>(room_.data() + used);
-                used += info.components;
-            },
-            arrays_, wanted);
-    }
-
-    Vec3 closest() const {
-        Vec3 result;
-        std::memcpy(result.data(), arrays_[Output::closest].data, sizeof result);
-        return result;
-    }
-
-    /// Stores the outputs of a point at its place among all. Returns whether it is within the half width, and has set
-    /// closest() then, in the scene's coordinates.
-    bool store(const SearchedBody* body, const Found& found, const Vec3& point, const HalfWidths& half_widths,
-               std::size_t at) {
-        bool is_within = false;
-        if (found.face != CLSDF_NO_FACE) {
-            const Vec3 in_units = mesh_of(*body).in_units(body->frame->to_body(point));
-            points::finish_on_host(*body->shape->finishing, in_units, found.face, found.sign,
-                                   half_widths.of(found.body), arrays_);
-            is_within = is_finite(closest());
-        }
-        if (is_within) {
-            std::memcpy(arrays_[Output::body].data, &found.body, sizeof found.body);
-            turn(Output::closest, *body->frame);
-            if (wanted_[Output::gradient].is_wanted) turn(Output::gradient, *body->frame);
-            if (wanted_[Output::offset].is_wanted) turn(Output::offset, *body->frame);
-            copy(at);
-        } else {
-            leave(found.is_inside() ? -half_widths.greatest : half_widths.greatest, at);
-        }
-        return is_within;
-    }
-
-    /// Stores those of a point beyond the half width.
-    void leave(double distance, std::size_t at) const {
-        for_each_output(
-            [&](const OutputInfo& info, const targets::HostArray& to) {
-                if (to.data == nullptr) return;
-                const std::size_t bytes = sample_bytes(info, to.in_double);
-                if (info.output != Output::distance)
-                    std::memset(to.data + at * bytes, 0xFF, bytes);
-                else
-                    store_numbers(&distance, 1, to, at);
-            },
-            wanted_);
-    }
-
-private:
-    static void store_numbers(const double* numbers, std::size_t components, const targets::HostArray& to,
-                              std::size_t at) {
-        for (std::size_t c = 0; c < components; ++c) {
-            const std::size_t place = at * components + c;
-            const auto rounded = static_cast<float>(numbers[c]);
-            if (to.in_double)
-                std::memcpy(to.data + place * sizeof(double), numbers + c, sizeof(double));
-            else
-                std::memcpy(to.data + place * sizeof(float), &rounded, sizeof(float));
-        }
-    }
-
-    void turn(Output output, const Frame& frame) {
-        Vec3 vector;
-        std::memcpy(vector.data(), arrays_[output].data, sizeof vector);
-        vector = output == Output::closest ? frame.to_scene(vector) : frame.turned(vector);
-        std::memcpy(arrays_[output].data, vector.data(), sizeof vector);
-    }
-
-    void copy(std::size_t at) const {
-        for_each_output(
-            [&](const OutputInfo& info, const targets::HostArray& from, const targets::HostArray& to) {
-                if (to.data == nullptr) return;
-                if (!may_be_double(info)) {
-                    const std::size_t bytes = sample_bytes(info, true);
-                    std::memcpy(to.data + at * bytes, from.data, bytes);
-                    return;
-                }
-                std::array<double, 3> numbers;
-                std::memcpy(numbers.data(), from.data, info.components * sizeof(double));
-                // As finish_point() rounds: a distance that is not 0 stays so.
-                constexpr double least = std::numeric_limits<float>::denorm_min();
-                if (info.output == Output::distance && !to.in_double && numbers[0] != 0 &&
-                    static_cast<float>(numbers[0]) == 0)
-                    numbers[0] = std::copysign(least, numbers[0]);
-                store_numbers(numbers.data(), info.components, to, at);
-            },
-            arrays_, wanted_);
-    }
-
-    const targets::HostArrays& wanted_;
-    targets::HostArrays arrays_;
-    std::array<double, 3 * CLSDF_OUTPUT_COUNT> room_{};
-};
 
 /// A body whose box holds a point of a chunk, or which has a film.
 struct Holder {
@@ -300,9 +141,11 @@ public:
     }
 
     /// Whether the value of a point is the distance to the union: closest: of its body.
-    bool is_own(std::size_t i, const Vec3& closest) const {
+    bool is_own(std::size_t i, const Vec3& closest) const { return found_[i].value > 0 || is_alone(i, closest); }
+
+    /// Whether the closest point of a point is neither in nor on another body.
+    bool is_alone(std::size_t i, const Vec3& closest) const {
         const Found& found = found_[i];
-        if (found.value > 0) return true;
         const SearchedBody& own = scene_.bodies[found.body];
         double largest = std::max(largest_of(own), largest_of(closest));
         largest = std::max(largest, largest_of(points_[i]));
@@ -312,7 +155,8 @@ public:
         const auto look = [&](std::uint32_t body) {
             const SearchedBody& other = scene_.bodies[body];
             if (!is_alone || body == found.body || other.shape->inputs.sign == SignRule::none) return;
-            is_alone = !is_in_or_on(other, closest, of_own + 1e-13 * std::max(largest, largest_of(other)));
+            is_alone =
+                place_in(other, closest, of_own + 1e-13 * std::max(largest, largest_of(other))) == PlaceInBody::outside;
         };
         for (const std::uint32_t body : scene_.with_films) look(body);
         scene_.tree.visit_near(closest, rounding, [&](std::uint32_t body) {
@@ -385,18 +229,6 @@ private:
         });
     }
 
-    static bool is_in_or_on(const SearchedBody& body, const Vec3& point, double rounding) {
-        const Vec3 in_body = body.frame->to_body(point);
-        if (!scenes::is_usable(body, in_body)) return false;
-        std::uint32_t near = CLSDF_NO_FACE;
-        const points::NearestOfPoint nearest = nearest_within(body, in_body, rounding, near);
-        const double most = rounding / mesh_of(body).lattice.unit;
-        if (nearest.face != CLSDF_NO_FACE && nearest.squared <= most * most) return true;
-        std::uint8_t sign = CLSDF_POINT_UNDECIDED;
-        scenes::find_signs(body, std::span(&in_body, 1), std::span(&nearest.squared, 1), std::span(&sign, 1));
-        return sign != CLSDF_POINT_OUTSIDE;
-    }
-
     const SearchedScene& scene_;
     std::size_t count_;
     std::array<Vec3, most_in_chunk> points_;
@@ -451,9 +283,77 @@ double distance_of_unusable(bool is_finite, double half_width) {
 
 }  // namespace
 
+namespace {
+
+/// A point whose distance to the union is not that to the nearest body.
+struct HiddenPoint {
+    std::uint32_t number;
+    Found found;  ///< of the nearest body
+};
+
+/// The points of all chunks whose closest points another body may hide.
+class HiddenPoints {
+public:
+    void add(std::span<const HiddenPoint> points) {
+        if (points.empty()) return;
+        const std::scoped_lock lock(mutex_);
+        all_.insert(all_.end(), points.begin(), points.end());
+    }
+    std::span<const HiddenPoint> all() const { return all_; }
+
+private:
+    std::mutex mutex_;
+    std::vector<HiddenPoint> all_;
+};
+
+/// Whether the nearest body may have another distance than the union: the point is inside or, to rounding, on it.
+bool may_be_hidden(const SearchedScene& scene, const Found& found, const Vec3& point) {
+    if (!scene.meeting_lines || found.face == CLSDF_NO_FACE) return false;
+    return found.value <= 0 || std::sqrt(found.value) <= rounding_of(scene.bodies[found.body], point);
+}
+
+/// Finds their distances to the union.
+void answer_hidden(const SearchedScene& scene, std::span<const Vec3> points, std::span<const HiddenPoint> hidden,
+                   const HalfWidths& half_widths, const SceneArrays& results) {
+    if (hidden.empty()) return;
+    const std::shared_ptr<const MeetingLines> lines = scene.meeting_lines();
+    const UnionSearch search(scene, *lines);
+    for_each_range(
+        hidden.size(),
+        [&](std::size_t begin, std::size_t end) {
+            const DefaultFloatingPoint as_kernels;
+            Outputs outputs(results.arrays);
+            for (const auto& [i, found] : hidden.subspan(begin, end - begin)) {
+                const Vec3& point = points[i];
+                const double rounding = rounding_of(scene.bodies[found.body], point),
+                             depth = found.value < 0 ? std::sqrt(-found.value) : 0;
+                const UnionSearch::Nearest nearest = search.nearest(point, std::max(depth - rounding, 0.0),
+                                                                    std::max(half_widths.greatest, 2 * rounding));
+                // A point on the surface of a body is on that of the union, or inside.
+                if (found.value >= 0 && nearest.body != no_body && nearest.distance <= 2 * rounding) continue;
+                if (results.is_inside != nullptr) results.is_inside[i] = 1;
+                if (results.is_own != nullptr) results.is_own[i] = 1;
+                if (results.arrays[Output::distance].data == nullptr) continue;
+                if (nearest.body == no_body || nearest.distance > half_widths.greatest)
+                    outputs.leave(-half_widths.greatest, i);
+                else if (nearest.is_cut)
+                    outputs.store_cut(scene.bodies[nearest.body], nearest.body, nearest.face, point, nearest.closest,
+                                      nearest.distance, i);
+                else
+                    outputs.store(&scene.bodies[nearest.body],
+                                  {.body = nearest.body, .face = nearest.face, .sign = CLSDF_POINT_INSIDE}, point,
+                                  half_widths, i);
+            }
+        },
+        4);
+}
+
+}  // namespace
+
 UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> points, const HalfWidths& half_widths,
                               const SceneArrays& results) {
     Unusable unusable;
+    HiddenPoints hidden;
     const auto order = order_of(points, scene.tree.box());
     for_each_chunk(points.size(), most_in_chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         const DefaultFloatingPoint as_kernels;
@@ -461,6 +361,7 @@ UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> 
         Chunk chunk(scene, points, chosen, half_widths);
         chunk.search();
         Outputs outputs(results.arrays);
+        std::vector<HiddenPoint> of_chunk;
         for (std::size_t k = 0; k < chosen.size(); ++k) {
             const std::uint32_t i = chosen[k];
             const Found& found = chunk.found(k);
@@ -472,11 +373,21 @@ UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> 
             } else if (results.arrays[Output::distance].data != nullptr) {
                 const SearchedBody* body = found.body == no_body ? nullptr : &scene.bodies[found.body];
                 is_within = outputs.store(body, found, points[i], half_widths, i);
-                is_own = results.is_own != nullptr && (!is_within || chunk.is_own(k, outputs.closest()));
+                const bool is_doubtful = is_within && may_be_hidden(scene, found, points[i]);
+                is_own = (is_doubtful || results.is_own != nullptr) &&
+                         (!is_within ||
+                          (is_doubtful ? chunk.is_alone(k, outputs.closest()) : chunk.is_own(k, outputs.closest())));
+                if (is_doubtful && !is_own) of_chunk.push_back({i, found});
+                is_own = is_own || is_doubtful;
+            } else if (found.sign == CLSDF_POINT_ON_SURFACE && may_be_hidden(scene, found, points[i]) &&
+                       !chunk.is_alone(k, points[i])) {
+                of_chunk.push_back({i, found});
             }
             if (results.is_own != nullptr) results.is_own[i] = is_own ? 1 : 0;
         }
+        hidden.add(of_chunk);
     });
+    answer_hidden(scene, points, hidden.all(), half_widths, results);
     return unusable.all();
 }
 

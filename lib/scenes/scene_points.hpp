@@ -1,17 +1,13 @@
 #pragma once
 
-#include "points/few_points.hpp"
-#include "points/usable_points.hpp"
-#include "scenes/body_tree.hpp"
-#include "scenes/frame.hpp"
 #include "scenes/least_field.hpp"
+#include "scenes/searched_bodies.hpp"
 #include "targets/host_arrays.hpp"
 
 #include <clsdf/mesh.hpp>
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,34 +19,6 @@
 /// is inside that one. If it is in none of them, the others are searched, the nearest box first, within the least
 /// distance so far.
 namespace clsdf::scenes {
-
-/// The mesh of one or more bodies.
-struct SearchedShape {
-    points::PointInputs inputs;  ///< of points::bring_to_host()
-    Box sign_box;                ///< around all that is inside
-    points::UsableRange usable;
-    std::optional<points::FinishingSources> finishing{};  ///< of the inputs
-    bool has_film = false;                                ///< points outside the box may be inside
-};
-
-struct SearchedBody {
-    const SearchedShape* shape = nullptr;  ///< null: the body is switched off
-    const Frame* frame = nullptr;
-};
-
-struct SearchedScene {
-    std::span<const SearchedBody> bodies;
-    const BodyTree& tree;                       ///< of those that are on
-    std::span<const std::uint32_t> with_films;  ///< the same, which have films; ascending
-};
-
-/// How far away a face of a body counts.
-struct HalfWidths {
-    std::span<const double> each;  ///< one for all bodies, or one a body; not negative
-    double greatest;
-
-    double of(std::uint32_t body) const { return each[each.size() == 1 ? 0 : body]; }
-};
 
 /// Packed results.
 struct SceneArrays {

@@ -410,6 +410,19 @@ BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
     BOOST_TEST(
         run_command({"query", scene(R"(, {"mesh": ["cube.off"], "sign": "none"})"), points, "-o", result}).status == 0);
 
+    // 0.3 and 0.2 deep in two cubes, and 1 in their union.
+    const std::string together =
+        scene(R"(, {"instance": "base", "pose": [1, 0, 0, 1.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]})");
+    const std::string deep = inputs.folder.file("deep.csv", "x,y,z\n0.7,0,0\n");
+    BOOST_TEST(run_command({"query", together, deep, "-o", result, "--surface", "outer", "--quiet"}).status == 0);
+    BOOST_TEST(table_of(result)[1][3] == "-1");
+    const std::string field = inputs.folder.file("together.nrrd");
+    const Outcome made = run_command({"compute", together, "-o", field, "--surface", "outer", "--resolution", "16",
+                                      "--band", "full", "--with", "body", "--quiet"});
+    BOOST_TEST(made.status == 0, made.error);
+    BOOST_TEST(std::ranges::min(read_field(field).distance()) < -0.8F);
+    check_refused(run_command({"check", together, field, "--surface", "outer"}), 2, {"--surface", "scene.json"});
+
     for (const auto& [more, message] : std::vector<std::pair<std::string, std::string>>{
              {", {}", "body 1, counted from 0: it needs either 'mesh'"},
              {R"(, {"mesh": "cube.off", "instance": "base"})", "either 'mesh'"},

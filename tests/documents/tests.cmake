@@ -9,7 +9,7 @@ function(clsdf_documented_code page blocks label)
 endfunction()
 
 clsdf_documented_code(parallel 10 examples examples/mesh_on_ranks.cpp)
-clsdf_documented_code(scenes 4 examples examples/links_of_an_arm.cpp examples/rotor_and_stator.cpp)  # and programs in Python
+clsdf_documented_code(scenes 5 examples examples/links_of_an_arm.cpp examples/rotor_and_stator.cpp)  # and programs in Python
 clsdf_documented_code(petsc 4 integrations integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c
                       integrations/petsc/examples/dmda.F90 integrations/petsc/tests/dmda_test.cpp)
 clsdf_documented_code(flow 2 integrations integrations/peclet/flow_past_a_body.py integrations/lbmpy/drag_of_a_body.py)

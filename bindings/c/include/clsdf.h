@@ -1135,10 +1135,13 @@ typedef struct clsdf_scene_options {
     int64_t kept_bytes; /* limit of the memory that is kept of each mesh; 0: none; -1: the default */
     int32_t index_base; /* 0 or 1: from which bodies, the points of pairs and the triangles of results count. Numbers in
                            messages count from 0 */
-    int32_t reserved;
+    /* CLSDF_SURFACE_GIVEN, the default: the distance is the least of the bodies'. CLSDF_SURFACE_OUTER: that to the
+     * surface of the union of the bodies that are on, within overlaps, too; each body's mesh is replaced by its own
+     * outer surface when it is added. */
+    int32_t surface;
 } clsdf_scene_options;
 #define CLSDF_SCENE_OPTIONS_INIT \
-    { sizeof(clsdf_scene_options), -1, 0, 0 }
+    { sizeof(clsdf_scene_options), -1, 0, CLSDF_SURFACE_GIVEN }
 
 /* A scene without bodies; `options` may be null. device: whose memory points and results may be in; the host computes.
  * Calls that change a scene: threads: one. Calls of a const scene: threads: any number. After an error the scene is

@@ -77,8 +77,8 @@ clsdf_status clsdf_pose_of_matrix(const double* matrix, clsdf_pose* pose) {
 clsdf_status clsdf_scene_create(const clsdf_device* device, const clsdf_scene_options* options, clsdf_scene** scene) {
     return made(scene, "scene", [&] {
         const clsdf_scene_options from = c::read_struct(options, CLSDF_SCENE_OPTIONS_INIT, "clsdf_scene_options");
-        c::check_reserved(from.reserved, "clsdf_scene_options");
         SceneOptions to;
+        to.surface = c::surface_of(from.surface, "clsdf_scene_options.surface");
         if (from.kept_bytes != -1) to.kept_bytes = c::count_of(from.kept_bytes, "clsdf_scene_options.kept_bytes");
         return new clsdf_scene(Scene(of(device).device, to), c::checked_index_base(from.index_base));
     });

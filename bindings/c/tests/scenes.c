@@ -68,6 +68,20 @@ int main(void) {
     options.index_base = 2;
     FAILS(CLSDF_INVALID_ARGUMENT, "2", clsdf_scene_create(device, &options, &scene));
     options.index_base = 1;
+    options.surface = 2;
+    FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_scene_options.surface is", clsdf_scene_create(device, &options, &scene));
+    /* (0.7, 0, 0) is 0.3 and 0.2 deep in the two cubes, and 1 in their union. */
+    options.surface = CLSDF_SURFACE_OUTER;
+    OK(clsdf_scene_create(device, &options, &scene));
+    OK(clsdf_scene_add(scene, mesh, CLSDF_SIGN_AUTOMATIC, NULL, NULL, &body));
+    pose = pose_at(1.5);
+    OK(clsdf_scene_add_instance(scene, 1, &pose, &body));
+    OK(query(scene, &points[0][0], 4, HUGE_VAL, distance, NULL, NULL));
+    CHECK(is_near(distance[0], 2) && is_near(distance[1], -1) && is_near(distance[2], -1));
+    FAILS(CLSDF_UNSUPPORTED, "site",
+          clsdf_scene_compute_field(scene, &grid, &band, CLSDF_SET(CLSDF_SITE), NULL, NULL, &field));
+    clsdf_scene_release(scene);
+    options.surface = CLSDF_SURFACE_GIVEN;
     OK(clsdf_scene_create(device, &options, &scene));
     FAILS(CLSDF_INVALID_ARGUMENT, "has no bodies", query(scene, &points[0][0], 4, HUGE_VAL, distance, NULL, NULL));
     OK(clsdf_scene_add(scene, mesh, CLSDF_SIGN_AUTOMATIC, NULL, NULL, &body));

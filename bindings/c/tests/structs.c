@@ -334,7 +334,7 @@ int main(void) {
     MEMBER(clsdf_scene_options, struct_size);
     MEMBER(clsdf_scene_options, kept_bytes);
     MEMBER(clsdf_scene_options, index_base);
-    MEMBER(clsdf_scene_options, reserved);
+    MEMBER(clsdf_scene_options, surface);
     SIZE(clsdf_fraction_options);
     MEMBER(clsdf_fraction_options, struct_size);
     MEMBER(clsdf_fraction_options, part);

@@ -8,7 +8,7 @@ program scenes
   type(clsdf_mesh) :: mesh, outer
   type(clsdf_outer_report) :: report
   integer(c_int32_t), allocatable :: bodies_of_outer(:)
-  type(clsdf_scene) :: scene, other
+  type(clsdf_scene) :: scene, other, of_union
   type(clsdf_transform) :: transform
   type(clsdf_pose) :: poses(3), pose
   type(clsdf_kept_memory) :: memory
@@ -63,6 +63,18 @@ program scenes
   do i = 1, n
     points(:, i) = [modulo(0.377d0*i, 2d0) - 0.8d0, modulo(0.713d0*i, 2d0) - 0.8d0, modulo(0.531d0*i, 1.4d0) - 0.4d0]
   end do
+
+  ! Two equal bodies hide nothing of each other.
+  call transform%create(device, mesh)
+  call transform%query(points, no_limit, expected)
+  call of_union%create(device, surface=CLSDF_SURFACE_OUTER)
+  call of_union%add(mesh)
+  call of_union%add_instance(1_8)
+  call of_union%query(points, no_limit, distance)
+  call check(all(abs(distance - expected) < 1d-12), 'the union of two equal bodies')
+  call of_union%add(mesh, sign=CLSDF_SIGN_NONE, stat=stat, errmsg=errmsg)
+  call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'outer surface')
+
   expected = no_limit
   do i = 1, 3
     pose = scene%pose(int(i, 8))

@@ -148,6 +148,12 @@ def boxes_of(boxes: Any) -> npt.NDArray[np.float64]:
     return corners
 
 
+def is_outer(surface: Any) -> bool:
+    if surface not in ("given", "outer"):
+        raise Error(f"surface: {surface!r} is unknown; write 'given' or 'outer'")
+    return bool(surface == "outer")
+
+
 def kept_bytes_of(kept_bytes: Any) -> int | None:
     if kept_bytes is None:
         return None

@@ -102,6 +102,10 @@ class Scene(WithFields):
     A pose is a 4 x 4 or 3 x 4 matrix, or a tuple (R, t): the body's points x are at R @ x + t. Matrices may be float32:
     each rotation is replaced by the nearest one.
 
+    surface: 'given', or 'outer': the distances of points are those to the surface of the union of the bodies that are on,
+    within overlaps, too. Each mesh is replaced by its own outer surface when it is added; an open one is refused. Fields
+    are then those of outer(), which cuts faces anew when bodies have moved; 'site' and 'barycentric' are refused in them.
+
     device: as for Transform. kept_bytes: limit of the memory that is kept of each mesh; None: the library's default.
     Raises clsdf.Error; the scene stays as it was. Any number of threads may ask; calls that change the scene wait for
     them.
@@ -110,8 +114,9 @@ class Scene(WithFields):
     _body: _core.Bodies
     _default_band = "10%"
 
-    def __init__(self, *, device: DeviceLike = None, kept_bytes: int | None = None) -> None:
-        self._body = _core.make_bodies(device_of(device), _meshes.kept_bytes_of(kept_bytes))
+    def __init__(self, *, device: DeviceLike = None, kept_bytes: int | None = None, surface: str = "given") -> None:
+        is_outer = _meshes.is_outer(surface)
+        self._body = _core.make_bodies(device_of(device), _meshes.kept_bytes_of(kept_bytes), is_outer)
 
     def __repr__(self) -> str:
         return f"<clsdf.Scene: {len(self)} bodies, on {self.device.name}>"

@@ -131,8 +131,7 @@ class Transform(WithFields):
         floor: float | None = None,
         surface: str = "given",
     ) -> None:
-        if surface not in ("given", "outer"):
-            raise Error(f"surface: {surface!r} is unknown; write 'given' or 'outer'")
+        is_outer = _meshes.is_outer(surface)
         if floor is not None:
             try:
                 floor = float(floor)
@@ -143,7 +142,7 @@ class Transform(WithFields):
             raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle', 'below' or 'none'")
         is_own = faces is None and isinstance(mesh, (str, os.PathLike))
         vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
-        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes, floor, surface == "outer")
+        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes, floor, is_outer)
         if not is_own:
             own = self._body.device
             vertices, faces = _meshes.own_copy(vertices, own), _meshes.own_copy(faces, own)

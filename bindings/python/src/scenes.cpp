@@ -241,10 +241,10 @@ void add_scenes(nb::module_& module) {
         .def_prop_ro("device", [](const Bodies& bodies) { return bodies.device(); });
     module.def(
         "make_bodies",
-        [](const PyDevice& device, std::optional<std::size_t> kept_bytes) {
-            return Bodies(device, Scene(device.get(), {kept_bytes}));
+        [](const PyDevice& device, std::optional<std::size_t> kept_bytes, bool is_outer) {
+            return Bodies(device, Scene(device.get(), {kept_bytes, is_outer ? Surface::outer : Surface::given}));
         },
-        nb::arg("device"), nb::arg("kept_bytes").none());
+        nb::arg("device"), nb::arg("kept_bytes").none(), nb::arg("is_outer"));
 }
 
 }  // namespace clsdf::python

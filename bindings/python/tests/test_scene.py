@@ -292,6 +292,26 @@ def test_configurations_and_each_body(random):
         scene.query_poses(points, poses)
 
 
+def test_a_scene_whose_surface_is_outer_has_the_distance_to_the_union(random):
+    scene = clsdf.Scene(surface="outer")
+    scene.add(*cube(1.0))
+    scene.add_instance(0, pose_of(turned(0.5, (1, 2, 3)), (1.2, 0.3, 0.2)))
+    points = random.uniform(-2, 3, (2000, 3))
+    r = scene.query(points, "closest body is_own", dtype="float64")
+    expected = clsdf.Transform(scene.outer().surface.mesh).query(points, dtype="float64").distance
+    assert np.allclose(r.distance, expected, rtol=0, atol=1e-13) and (expected < 0).sum() > 100
+    assert r.is_own.all() and set(r.body) == {0, 1}
+    assert np.allclose(np.linalg.norm(points - r.closest, axis=1), abs(expected), rtol=0, atol=1e-13)
+    field = scene.field(scene.grid(16), band="full", outputs="body")
+    assert np.allclose(field.distance.min(), expected.min(), atol=0.2) and set(np.unique(field.body)) == {0, 1}
+    with pytest.raises(clsdf.Error, match="site"):
+        scene.field(scene.grid(16), band="full", outputs="site")
+    with pytest.raises(clsdf.Error, match="close_down"):
+        scene.add([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    with pytest.raises(clsdf.Error, match="'union' is unknown"):
+        clsdf.Scene(surface="union")
+
+
 def test_the_outer_surface_of_a_scene_is_that_of_the_union(random):
     scene = clsdf.Scene()
     scene.add(*cube(1.0))

@@ -29,6 +29,12 @@ CLSDF_EXPORT Pose pose_of(std::span<const double, 16> matrix);
 struct SceneOptions {
     /// Limit of the memory that is kept of each mesh: see TransformOptions::kept_bytes.
     std::optional<std::size_t> kept_bytes{};
+    /// outer: query() and query_poses() give the distance to the surface of the union of all bodies that are on, inside
+    /// overlaps, too, with the outputs of the closest point there (docs/scenes.md, 'The union itself'). Each body's
+    /// mesh is replaced by its own outer surface when it is added, and add() throws as the constructor of a
+    /// DistanceTransform with TransformOptions::surface does. compute() gives the field of the mesh of outer(), without
+    /// sites and barycentric coordinates; query() with a half width for each body throws Error(invalid_argument).
+    Surface surface = Surface::given;
 };
 
 /// The value of Output::body beyond the half width or the band.
@@ -64,8 +70,9 @@ struct SceneSurface {
 /// change. Fields are computed from the moved positions.
 ///
 /// The distance is the least of the bodies' signed distances. Outside all bodies it is the distance to their union.
-/// Inside it is the depth in the deepest body: the union's surface is at least as far away. A body without a sign
-/// counts with its distance. docs/scenes.md has the proof and a picture, docs/accuracy.md what poses cost.
+/// Inside it is the depth in the deepest body: the union's surface is at least as far away; SceneOptions::surface has
+/// the union's own distance. A body without a sign counts with its distance. docs/scenes.md has the proof and a
+/// picture, docs/accuracy.md what poses cost.
 ///
 /// Members that are const may be called from several threads at once; the others, assignment and the destructor need
 /// the scene for themselves. Fields take turns. After an error the scene is that of before. Once moved from, every
@@ -126,11 +133,10 @@ public:
 
     /// The outer surface of the bodies that are on, where they are: faces are cut where bodies meet, and what lies in
     /// another body is left out, as by clsdf::outer() of each body and then of all. Distances to this mesh are those to
-    /// the union, within overlaps, too, where those of the scene are only a lower bound of the depth; fractions() of it
-    /// are those of the union. It is made anew by each call, in time that grows with the bodies' faces: for bodies at
-    /// rest, not for each step of many. Of `call`, should_stop counts, and log, which gets the bodies' warnings. Throws
-    /// Error(invalid_argument) if no body is on, and the errors of outer(), which name the body; in particular
-    /// Error(unsupported) for an open one.
+    /// the union, within overlaps, too; fractions() of it are those of the union. It is made anew by each call, in time
+    /// that grows with the bodies' faces: for bodies at rest, not for each step of many. Of `call`, should_stop counts,
+    /// and log, which gets the bodies' warnings. Throws Error(invalid_argument) if no body is on, and the errors of
+    /// outer(), which name the body; in particular Error(unsupported) for an open one.
     SceneSurface outer(const CallOptions& call = {}) const;
 
     // Fields. All throw Error(invalid_argument) if there is no body that is on.
@@ -160,6 +166,9 @@ public:
     /// double, the lowest number wins. Triangles and sites are those of its mesh; closest points, gradients and offsets
     /// are in the scene's coordinates. Beyond the half width there is no body, and the distance is the half width,
     /// negative if the point is inside a body; so also where the surface of another body is near, in the depth of one.
+    ///
+    /// If SceneOptions::surface is outer, the distance of a point inside is that to the surface of the union, with the
+    /// outputs of the closest point there; where bodies cut each other these are the lowest body's, with the site 7.
     ///
     /// A result depends on the point, the half width, and the bodies, their positions and poses, alone. A point is not
     /// usable if it is not finite, or if a body that may be nearest is too far for DistanceTransform::query().
