@@ -181,7 +181,7 @@ BOOST_AUTO_TEST_CASE(non_manifold_vertices_with_normals_have_a_point_site) {
 
 BOOST_AUTO_TEST_CASE(sites_share_groups_of_records_with_those_of_their_block_alone) {
     Random random(7);
-    const Mesh sphere = make_shape("sphere5");
+    const Mesh sphere = make_shape("sphere6");
     std::vector<Vec3> vertices = sphere.vertices();
     for (Vec3& vertex : vertices) vertex = along(vertex, 0.02, random.direction());
     const Mesh mesh(vertices, sphere.triangles(), "rough");
