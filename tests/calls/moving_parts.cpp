@@ -125,6 +125,67 @@ BOOST_AUTO_TEST_CASE(a_moved_part_has_the_bytes_of_the_whole_at_the_same_positio
     BOOST_TEST(with_gradients > without_gradients);
 }
 
+// The parts have few of the vertices, also of the sample that bounds distances.
+BOOST_AUTO_TEST_CASE(small_parts_of_a_large_mesh_move_as_the_whole) {
+    Random random(8);
+    const Mesh mesh = tilted(make_shape("sphere7"));
+    const double h = mesh.box().longest_side() / 250;
+    DistanceTransform whole(test_device(), mesh);
+    std::vector<DistanceTransform> parts;
+    std::vector<Region> regions;
+    for (const double margin : {0.2 * h, 4 * h, 4 * h, h, h}) {
+        const Vec3 at = mesh.vertices()[random.index(mesh.vertices().size())];
+        Box box{at, at};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box.lower[axis] -= random.uniform(2, 12) * h;
+            box.upper[axis] += random.uniform(2, 12) * h;
+        }
+        regions.push_back({box, 3 * h, h});
+        const std::array both{regions.back(), Region{in_whole_bricks(samples_in(box, h, {0, 0, 0})).box(), 3 * h, h}};
+        parts.push_back(whole.restrict_to(both, margin));
+    }
+    for (const double margin : {0.2 * h, h, 4 * h}) {
+        const std::vector<Vec3> positions = moved(whole, mesh, margin, parts.size());
+        whole.set_positions(positions);
+        for (std::size_t n = 0; n < parts.size(); ++n) {
+            BOOST_TEST_CONTEXT("part " << n << ", margin " << margin) {
+                try {
+                    move(parts[n], positions);
+                } catch (const Error&) {
+                    continue;  // a greater way than its margin
+                }
+                BOOST_TEST(parts[n].box().lower == whole.box().lower, boost::test_tools::per_element());
+                BOOST_TEST(parts[n].box().upper == whole.box().upper, boost::test_tools::per_element());
+                check_same_answers(whole, parts[n], regions[n], {0, 0, 0}, all_but_gradients());
+            }
+        }
+    }
+}
+
+// Its corners belong to bodies far from the region, and from each other.
+BOOST_AUTO_TEST_CASE(a_large_face_comes_near_within_the_margin) {
+    std::vector<Mesh> balls;
+    for (const Vec3& at : {Vec3{-20, 0, 0}, Vec3{20, 0, 0}, Vec3{0, 20, 0}})
+        balls.push_back(shifted(make_shape("sphere5"), at));
+    const auto count = static_cast<std::uint32_t>(balls.front().vertices().size());
+    Mesh mesh = together(balls, "balls");
+    std::vector<Triangle> triangles = mesh.triangles();
+    const Triangle large{0, count, 2 * count};
+    triangles.push_back(large);
+    mesh = Mesh(mesh.vertices(), triangles, "balls and a face");
+    const double level = mesh.vertices()[0][2];
+    DistanceTransform whole(test_device(), mesh, {.sign = SignRule::none});
+    const Region region{{{-1, 6, level + 1.5}, {1, 7, level + 1.6}}, 1, 0};
+    DistanceTransform part = whole.restrict_to(region, 1);
+    std::vector<Vec3> positions = mesh.vertices();
+    for (const std::uint32_t vertex : large) positions[vertex][2] += 0.999;
+    whole.set_positions(positions);
+    move(part, positions);
+    const std::vector<Vec3> points{{0, 6.5, level + 1.5}};
+    check_same(query(whole, points, 1), query(part, points, 1));
+    BOOST_TEST(query(part, points, 1).distance()[0] < 0.6F);
+}
+
 BOOST_AUTO_TEST_CASE(both_kernel_bodies_move_parts) {
     const Mesh mesh = tilted(make_shape("noisy"));
     const double side = mesh.box().longest_side(), h = side / 60;
