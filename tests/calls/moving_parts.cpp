@@ -162,26 +162,28 @@ BOOST_AUTO_TEST_CASE(small_parts_of_a_large_mesh_move_as_the_whole) {
     }
 }
 
-// Its corners belong to bodies far from the region, and from each other.
+// Its corners belong to sheets far from the region, and from each other.
 BOOST_AUTO_TEST_CASE(a_large_face_comes_near_within_the_margin) {
-    std::vector<Mesh> balls;
-    for (const Vec3& at : {Vec3{-20, 0, 0}, Vec3{20, 0, 0}, Vec3{0, 20, 0}})
-        balls.push_back(shifted(make_shape("sphere5"), at));
-    const auto count = static_cast<std::uint32_t>(balls.front().vertices().size());
-    Mesh mesh = together(balls, "balls");
-    std::vector<Triangle> triangles = mesh.triangles();
-    const Triangle large{0, count, 2 * count};
+    std::vector<Vec3> positions;
+    std::vector<Triangle> triangles;
+    constexpr std::uint32_t side = 32;  // of a sheet, in vertices
+    for (const auto& [x, y] : {std::pair(-20, 0), std::pair(20, 18), std::pair(20, 22)})
+        for (std::uint32_t j = 0; j < side; ++j)
+            for (std::uint32_t i = 0; i < side; ++i) {
+                const auto at = static_cast<std::uint32_t>(positions.size());
+                positions.push_back({x + i / 16.0, y + j / 16.0, 0});
+                if (i + 1 == side || j + 1 == side) continue;
+                triangles.push_back({at, at + 1, at + side + 1});
+                triangles.push_back({at, at + side + 1, at + side});
+            }
+    const Triangle large{0, side * side, 2 * side * side};
     triangles.push_back(large);
-    mesh = Mesh(mesh.vertices(), triangles, "balls and a face");
-    const double level = mesh.vertices()[0][2];
-    DistanceTransform whole(test_device(), mesh, {.sign = SignRule::none});
-    const Region region{{{-1, 6, level + 1.5}, {1, 7, level + 1.6}}, 1, 0};
-    DistanceTransform part = whole.restrict_to(region, 1);
-    std::vector<Vec3> positions = mesh.vertices();
+    DistanceTransform whole(test_device(), Mesh(positions, triangles, "sheets"), {.sign = SignRule::none});
+    DistanceTransform part = whole.restrict_to({{{-10, 4, 1.5}, {-9, 6, 1.6}}, 1, 0}, 1);
     for (const std::uint32_t vertex : large) positions[vertex][2] += 0.999;
     whole.set_positions(positions);
     move(part, positions);
-    const std::vector<Vec3> points{{0, 6.5, level + 1.5}};
+    const std::vector<Vec3> points{{-9.5, 5, 1.5}};
     check_same(query(whole, points, 1), query(part, points, 1));
     BOOST_TEST(query(part, points, 1).distance()[0] < 0.6F);
 }
