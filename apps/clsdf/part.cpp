@@ -28,6 +28,7 @@ struct PartChoice {
     SegmentOptions segments;  ///< whose grid has the band, too
     std::string cuts;
     std::uint64_t ghosts = 0;
+    std::string moves = "0";  ///< a length: the margin of the parts
 };
 
 /// The blocks of a grid, each with its ghosts, in the order of x, then y, then z.
@@ -59,9 +60,10 @@ ExitStatus run(const PartChoice& choice, Report& report) {
     const ComputeOptions& own = choice.segments.grid;
     const auto cuts = parse_triple<std::int64_t>("--cuts", choice.cuts, "three whole numbers, as 4,2,2", true);
     const ComputeRequest request(own);
+    const clsdf::Length moves = clsdf::Length::parse(choice.moves, "--moves");
     clsdf::PartWriter file(own.output);
     Json parts = Json::array();
-    double half_width = 0;
+    double half_width = 0, margin = 0;
     std::size_t count = 0, total = 0, most = 0;  // of parts, and their bytes
     const SegmentRun made = run_segments(
         choice.segments, report,
@@ -73,10 +75,11 @@ ExitStatus run(const PartChoice& choice, Report& report) {
                 throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
                                    "--band: a part has the faces within a half width, which must be finite and above "
                                    "0; choose one, as 10% or 5v");
+            margin = moves.resolve(grid.voxel(), transform.box().longest_side());
             for (const clsdf::Grid& block : blocks_of(grid, cuts, static_cast<std::int64_t>(choice.ghosts))) {
                 if (call.should_stop()) throw clsdf::Error(clsdf::ErrorCode::cancelled, "stopped");
                 const clsdf::DistanceTransform part =
-                    transform.restrict_to({block.box(), half_width, std::ranges::max(block.spacing)});
+                    transform.restrict_to({block.box(), half_width, std::ranges::max(block.spacing)}, margin);
                 const std::vector<std::byte> bytes = part.part_bytes();
                 file.append(bytes);
                 parts.push_back({{"grid", describe(block)}, {"bytes", bytes.size()}});
@@ -89,9 +92,11 @@ ExitStatus run(const PartChoice& choice, Report& report) {
     output_is_written();
     report.print("parts   {}, up to {} each; half width {:g}\n", count, human_bytes(static_cast<double>(most)),
                  half_width);
+    if (margin > 0) report.print("margin  {:g}, the longest way of a vertex\n", margin);
     report.print("wrote   {} ({})\n", own.output, human_bytes(static_cast<double>(total)));
     report.result = describe(choice.segments, made);
     report.result["half_width"] = half_width;
+    report.result["margin"] = margin;
     report.result["parts"] = std::move(parts);
     return ExitStatus::done;
 }
@@ -108,6 +113,7 @@ Command add_part(Parser& program) {
     parser.add("--ghosts", choice->ghosts, "samples around each block, on all sides")
         .takes_whole_number("N", 0, most_samples_on_a_side);
     parser.add("--band", own.band, "the largest distance asked for").takes_text("LENGTH");
+    parser.add("--moves", choice->moves, "the longest way of a vertex that parts may move").takes_text("LENGTH");
     add_grid_options(parser, own, "room around the mesh [--band]");
     parser.begin_group("Options");
     add_sign_options(parser, own.sign);

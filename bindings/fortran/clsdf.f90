@@ -581,6 +581,7 @@ module clsdf
     generic :: create => transform_create, transform_from_arrays, transform_create_r4, transform_create_r8
     procedure :: restrict => transform_restrict
     procedure :: part_bytes => transform_part_bytes
+    procedure :: part_vertices => transform_part_vertices
     procedure :: create_from_part => transform_create_from_part
     procedure, private :: set_positions_array, set_positions_r4, set_positions_r8
     generic :: set_positions => set_positions_array, set_positions_r4, set_positions_r8
@@ -1673,14 +1674,23 @@ module clsdf
       type(c_transform_options), intent(in) :: options
       type(c_ptr), intent(out) :: transform
     end function
-    function c_transform_restrict(transform, regions, count, restricted) &
-        bind(C, name="clsdf_transform_restrict") result(value)
+    function c_transform_restrict(transform, regions, count, margin, restricted) &
+        bind(C, name="clsdf_transform_restrict_with_margin") result(value)
       import
       integer(c_int32_t) :: value
       type(c_ptr), value :: transform
       type(clsdf_region), intent(in) :: regions(*)
       integer(c_int64_t), value :: count
+      real(c_double), value :: margin
       type(c_ptr), intent(out) :: restricted
+    end function
+    function c_transform_part_vertices(transform, vertices, room, count) &
+        bind(C, name="clsdf_transform_part_vertices") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, vertices
+      integer(c_int64_t), value :: room
+      integer(c_int64_t), intent(out) :: count
     end function
     function c_transform_part_bytes(transform, bytes, room, count) &
         bind(C, name="clsdf_transform_part_bytes") result(value)
@@ -4648,18 +4658,38 @@ contains
 
   ! END
 
-  !> A transform for a part of the domain, which keeps only what the regions need.
-  subroutine transform_restrict(self, regions, restricted, stat, errmsg)
+  !> A transform for a part of the domain, which keeps only what the regions need. With a margin its vertices may move by
+  !> up to that length from where they are now: set_positions takes those of part_vertices.
+  subroutine transform_restrict(self, regions, restricted, stat, errmsg, margin)
     class(clsdf_transform), intent(in) :: self
     type(clsdf_region), intent(in) :: regions(:)
     type(clsdf_transform), intent(inout) :: restricted
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(in), optional :: margin
     type(c_ptr) :: handle
     integer(c_int32_t) :: status
-    status = c_transform_restrict(self%handle, regions, size(regions, kind=c_int64_t), handle)
+    real(c_double) :: way
+    way = 0
+    if (present(margin)) way = margin
+    status = c_transform_restrict(self%handle, regions, size(regions, kind=c_int64_t), way, handle)
     call restricted%release()
     restricted%handle = handle
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The vertices of a part with a margin, ascending, by their numbers in the mesh of the whole, from 1; of vertices with
+  !> equal coordinates the lowest.
+  subroutine transform_part_vertices(self, vertices, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    integer(c_int32_t), allocatable, target, intent(out) :: vertices(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: room, count
+    integer(c_int32_t) :: status
+    status = c_transform_part_vertices(self%handle, c_null_ptr, 0_c_int64_t, room)
+    allocate(vertices(room))
+    if (status == 0) status = c_transform_part_vertices(self%handle, c_loc(vertices), room, count)
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 

@@ -85,10 +85,20 @@ Box DistanceTransform::box() const {
     const std::scoped_lock lock(state.mutex);
     return state.kept_mesh->box();
 }
-DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions) const {
+DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions, double margin) const {
     return with_host_memory("to restrict the transform", [&] {
-        return DistanceTransform(state().restricted({regions.begin(), regions.end()}));
+        return DistanceTransform(state().restricted({regions.begin(), regions.end()}, margin));
     });
+}
+std::vector<std::uint32_t> DistanceTransform::part_vertices() const {
+    State& state = held_by(state_, "DistanceTransform");
+    const std::scoped_lock lock(state.mutex);
+    const engine::MovablePart* movable = state.kept_mesh->movable();
+    if (movable == nullptr)
+        throw Error(ErrorCode::unsupported,
+                    "the numbers of a part's vertices are those of one that takes positions; restrict the whole "
+                    "transform with a margin");
+    return with_host_memory("for the numbers of the vertices", [&] { return movable->numbers; });
 }
 std::vector<std::byte> DistanceTransform::part_bytes() const {
     return with_host_memory("for the bytes of the part", [&] { return state().part_bytes(); });

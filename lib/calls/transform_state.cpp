@@ -207,7 +207,8 @@ DistanceTransform::State::State(const State& other, const std::shared_ptr<device
       kept_mesh(std::move(own_mesh)),
       kept_points(std::make_unique<points::KeptPoints>(*kept_mesh)) {}
 
-std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(std::vector<Region> regions) {
+std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(std::vector<Region> regions,
+                                                                               double margin) {
     if (regions.empty())
         throw Error(ErrorCode::invalid_argument, "a transform is restricted to regions, and there is none; give one");
     for (std::size_t n = 0; n < regions.size(); ++n) {
@@ -225,6 +226,10 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
                                     "there are none",
                                     n, regions.size(), spacing));
     }
+    if (!(margin >= 0 && std::isfinite(margin)))
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("the margin is {}; give the longest way that a vertex will move, or 0 if they stay", margin));
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
     if (kept_mesh->restriction() != nullptr)
@@ -235,8 +240,8 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
     context().begin_call();
     auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     auto own_mesh = calls::with_remedies(nullptr, {forgetting()}, [&] {
-        return std::make_unique<engine::KeptMesh>(context(), own_pool, kept_mesh->part_of_regions(regions, sign),
-                                                  kept_mesh->options());
+        return std::make_unique<engine::KeptMesh>(
+            context(), own_pool, kept_mesh->part_of_regions(regions, sign, margin), kept_mesh->options());
     });
     return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_mesh)));
 }
@@ -292,7 +297,15 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_part(Devi
 
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions, const CallOptions& call) {
     const std::scoped_lock lock(mutex);
-    require_whole();
+    require_mobile(true);
+    if (kept_mesh->movable() != nullptr) {
+        context().begin_call();
+        move_by([&] {
+            calls::with_remedies(nullptr, {forgetting()}, [&] { kept_mesh->move_part(positions); });
+            return true;
+        });
+        return;
+    }
     if (given) {
         const Mesh moved(given->vertices.moved(given->mesh, positions), given->mesh.triangles(), given->mesh.name());
         replace_outer([&] { set_outer(moved, given->options, {.should_stop = call.should_stop}); });
@@ -308,7 +321,7 @@ void DistanceTransform::State::set_positions(std::span<const Vec3> positions, co
 
 void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
-    require_whole();
+    require_mobile(false);
     if (given && given->has_moved) {
         replace_outer([&] {
             set_outer(given->mesh, given->options, {});
@@ -320,12 +333,17 @@ void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, c
     move_vertices(engine::Vertices::moved(kept_mesh->first_positions(), rotation, translation));
 }
 
-void DistanceTransform::State::require_whole() const {
-    if (kept_mesh->restriction() != nullptr)
+void DistanceTransform::State::require_mobile(bool is_movable) const {
+    if (kept_mesh->restriction() == nullptr) return;
+    if (kept_mesh->movable() == nullptr)
         throw Error(
             ErrorCode::unsupported,
             "the transform is restricted, and triangles would come and go; set the positions of the whole one and "
-            "restrict it again");
+            "restrict it again, or restrict it with a margin");
+    if (!is_movable)
+        throw Error(ErrorCode::unsupported,
+                    "the transform is restricted, and the longest way of its vertices has a limit, the margin; set "
+                    "the positions of its vertices in the place of a motion");
 }
 
 void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
@@ -337,8 +355,8 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
 
 bool DistanceTransform::State::set_positions_on_device(const InputArray& positions) {
     const std::scoped_lock lock(mutex);
-    require_whole();
-    if (given || !kernels_can_read(positions)) return false;
+    require_mobile(true);
+    if (given || kept_mesh->movable() != nullptr || !kernels_can_read(positions)) return false;
     context().begin_call();
     return move_by([&] { return kept_mesh->move(engine::device_triples(positions)); });
 }

@@ -46,7 +46,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     State& operator=(const State&) = delete;
 
     /// See DistanceTransform::restrict_to().
-    std::unique_ptr<State> restricted(std::vector<Region> regions);
+    std::unique_ptr<State> restricted(std::vector<Region> regions, double margin);
     std::vector<std::byte> part_bytes();
     static std::unique_ptr<State> of_part(Device device, std::span<const std::byte> bytes,
                                           const TransformOptions& options);
@@ -304,8 +304,8 @@ private:
     template <class Make>
     std::optional<engine::MadeTopology> make_topology(std::size_t vertex_count, std::size_t face_count,
                                                       const CallOptions& call, const Make& make) const;
-    /// Throws Error(unsupported) if the transform is restricted: its vertices are not the caller's.
-    void require_whole() const;
+    /// Throws Error(unsupported) if the transform is restricted, and, for is_movable, has no margin.
+    void require_mobile(bool is_movable) const;
     /// For the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
     /// Returns what move() returns: whether it has moved the kept mesh.

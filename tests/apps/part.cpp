@@ -98,3 +98,24 @@ BOOST_AUTO_TEST_CASE(parts_that_cannot_be_made_are_refused_without_a_file) {
     fails({"--cuts", "2", "--band", "full"}, "--band");
     fails({"--cuts", "two"}, "--cuts");
 }
+
+BOOST_AUTO_TEST_CASE(parts_of_a_mesh_that_moves_take_positions) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("knot.ply"), parts = folder.file("parts.h5");
+    const Mesh mesh = make_shape("knot");
+    write_mesh(mesh, path);
+    const Outcome outcome = run_command(
+        {"part", path, "-o", parts, "--cuts", "2", "--resolution", "40", "--band", "3v", "--moves", "1v", "--json"});
+    BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.error);
+    const nlohmann::json report = nlohmann::json::parse(outcome.out);
+    const double margin = report.at("margin");
+    BOOST_TEST(margin > 0);
+    DistanceTransform part = DistanceTransform::from_part(Device::automatic(), read_part(parts, 1));
+    std::vector<Vec3> positions;
+    for (const std::uint32_t vertex : part.part_vertices()) {
+        positions.push_back(mesh.vertices()[vertex]);
+        positions.back()[2] += 0.99 * margin;
+    }
+    part.set_positions(positions);
+    BOOST_TEST(part.box().upper[2] == mesh.box().upper[2] + 0.99 * margin);
+}

@@ -1,6 +1,7 @@
 #include "coverage.hpp"
 #include "frusta/slopes.hpp"
 #include "stress_points.hpp"
+#include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 #include "topology/topology.hpp"
 
@@ -10,7 +11,12 @@
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <ctime>
+#include <iterator>
+#include <span>
+#include <vector>
 
 namespace clsdf::test {
 namespace {
@@ -171,6 +177,44 @@ BOOST_AUTO_TEST_CASE(non_manifold_vertices_with_normals_have_a_point_site) {
     const Mesh book({{0, 0, -5}, {0, 0, 5}, {10, 0, 0}, {-5, 8, 0}, {-5, -8, 0}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}},
                     "book");
     BOOST_TEST(frusta_of(book).point_sites == 2U);
+}
+
+BOOST_AUTO_TEST_CASE(sites_share_groups_of_records_with_those_of_their_block_alone) {
+    Random random(7);
+    const Mesh sphere = make_shape("sphere6");
+    std::vector<Vec3> vertices = sphere.vertices();
+    for (Vec3& vertex : vertices) vertex = along(vertex, 0.02, random.direction());
+    const Mesh mesh(vertices, sphere.triangles(), "rough");
+    const engine::MeshTopology topology(mesh);
+    const std::vector<engine::SiteFrustum> all = engine::make_frusta(topology, mesh.vertices()).sites;
+    // The second half: of its own blocks it has the groups that it has beside the first.
+    std::vector<engine::SiteFrustum> half;
+    std::ranges::copy_if(all, std::back_inserter(half), [&](const engine::SiteFrustum& site) {
+        return site.vertex >= topology.faces.vertices.size() / 2 / engine::site_block * engine::site_block;
+    });
+    BOOST_REQUIRE((half.size() > 20 && half.size() + 20 < all.size()));
+    const auto grouped = [](const std::vector<engine::SiteFrustum>& sites) {
+        return engine::in_groups(sites, engine::site_blocks(sites, {}));
+    };
+    const std::vector<engine::SiteFrustum> of_all = grouped(all), of_half = grouped(half);
+    BOOST_TEST(of_all.size() % engine::record_group == 0U);
+    BOOST_TEST(static_cast<std::size_t>(std::ranges::count_if(of_all, engine::is_filling)) + all.size() ==
+               of_all.size());
+    BOOST_TEST(std::ranges::equal(std::span(of_all).last(of_half.size()), of_half,
+                                  [](const engine::SiteFrustum& a, const engine::SiteFrustum& b) {
+                                      return a.vertex == b.vertex && engine::is_filling(a) == engine::is_filling(b);
+                                  }));
+    // Alone and beside others.
+    const auto count = static_cast<std::uint32_t>(topology.faces.vertices.size());
+    std::vector<engine::SiteFrustum> twice = all;
+    for (engine::SiteFrustum site : all) {
+        site.vertex += count;
+        twice.push_back(site);
+    }
+    const std::array<engine::JoinedPart, 2> joined{{{0, 0, count}, {0, 0, 2 * count}}};
+    const auto of_two = engine::in_groups(twice, engine::site_blocks(twice, joined));
+    BOOST_TEST(of_two.size() == 2 * of_all.size());
+    BOOST_TEST(of_two[of_all.size()].vertex == of_all[0].vertex + count);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -228,7 +228,8 @@ BOOST_AUTO_TEST_CASE(completed_frusta_of_a_gpu) {
                                 shifted(fins(), {300, 30, 0}), shifted(tilted(make_shape("sphere1")), {330, 30, 0})},
                                "fans");
     const engine::MeshTopology topology(mesh);
-    const engine::Frusta host = engine::make_frusta(topology, mesh.vertices());
+    engine::Frusta host = engine::make_frusta(topology, mesh.vertices());
+    host.sites = engine::in_groups(host.sites, engine::site_blocks(host.sites, {}));
     std::optional<engine::MadeTopology> made = engine::make_device_topology(job, mesh);
     BOOST_REQUIRE(made.has_value());
     engine::KeptValues kept;

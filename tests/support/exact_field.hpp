@@ -203,11 +203,12 @@ inline std::vector<Vec3> samples_of(const Grid& grid) {
     return points;
 }
 
-/// Results of points, all outputs, in the arrays of a field.
+/// Results of points in the arrays of a field.
 inline Field query(const DistanceTransform& transform, std::span<const Vec3> points,
-                   double half_width = std::numeric_limits<double>::infinity()) {
+                   double half_width = std::numeric_limits<double>::infinity(), OutputSet outputs = all_outputs()) {
     Field field;
-    for (const OutputInfo& info : output_table()) field.resize(info.output, points.size());
+    for (const OutputInfo& info : output_table())
+        if (outputs.contains(info.output)) field.resize(info.output, points.size());
     transform.query(points, half_width, field.targets());
     return field;
 }

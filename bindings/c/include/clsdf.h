@@ -1004,9 +1004,22 @@ CLSDF_API clsdf_status clsdf_transform_from_arrays(const clsdf_device* device, c
                                                    const clsdf_transform_options* options,
                                                    const clsdf_call_options* call, clsdf_transform** transform);
 /* A transform for a part of the domain, which keeps only what the regions need. Results have the bytes of the whole.
- * Calls outside the regions are CLSDF_INVALID_ARGUMENT; new positions are CLSDF_UNSUPPORTED. */
+ * Calls outside the regions are CLSDF_INVALID_ARGUMENT; new positions are CLSDF_UNSUPPORTED, unless it has a margin. */
 CLSDF_API clsdf_status clsdf_transform_restrict(const clsdf_transform* transform, const clsdf_region* regions,
                                                 int64_t count, clsdf_transform** restricted);
+/* The same of a part whose vertices may move by up to `margin`, in the mesh's units, from where they are now: its
+ * clsdf_transform_set_positions() takes one position for each vertex that clsdf_transform_part_vertices() tells, and
+ * results have the bytes of the whole at the same positions. A vertex farther than the margin is
+ * CLSDF_INVALID_ARGUMENT, which names it. A transform of the outer surface is CLSDF_UNSUPPORTED. */
+CLSDF_API clsdf_status clsdf_transform_restrict_with_margin(const clsdf_transform* transform,
+                                                            const clsdf_region* regions, int64_t count, double margin,
+                                                            clsdf_transform** restricted);
+/* The vertices of a part with a margin, ascending, by their numbers in the mesh of the whole, from the index base of
+ * the transform; of vertices with equal coordinates the lowest. *count of them, into `vertices`, which has room for
+ * `room`. With vertices null and room 0 only *count is set; if the room is too small nothing is written, and *count is
+ * set, too (CLSDF_INVALID_ARGUMENT). A transform without a margin is CLSDF_UNSUPPORTED. */
+CLSDF_API clsdf_status clsdf_transform_part_vertices(const clsdf_transform* transform, uint32_t* vertices, int64_t room,
+                                                     int64_t* count);
 
 /* A restricted transform as bytes, for another process or for later: *count of them, into `bytes`, which has room for
  * `room`. With bytes null and room 0 only *count is set; if the room is too small nothing is written, and *count is
@@ -1019,7 +1032,8 @@ CLSDF_API clsdf_status clsdf_transform_part_bytes(const clsdf_transform* transfo
 CLSDF_API clsdf_status clsdf_transform_from_part(const clsdf_device* device, const uint8_t* bytes, int64_t count,
                                                  int32_t index_base, clsdf_transform** transform);
 
-/* New positions of all vertices, on the host or in a buffer. After an error the positions are those of before. */
+/* New positions of all vertices, on the host or in a buffer; of a part with a margin, of those that it has. After an
+ * error the positions are those of before. */
 CLSDF_API clsdf_status clsdf_transform_set_positions(clsdf_transform* transform, const clsdf_array* positions,
                                                      const clsdf_call_options* call);
 /* Puts the vertices at R x + t; x are the positions that the transform was made with. rotation[9] has the rows of R.

@@ -72,13 +72,35 @@ clsdf_status clsdf_transform_from_arrays(const clsdf_device* device, const clsdf
 
 clsdf_status clsdf_transform_restrict(const clsdf_transform* transform, const clsdf_region* regions, std::int64_t count,
                                       clsdf_transform** restricted) {
+    return clsdf_transform_restrict_with_margin(transform, regions, count, 0, restricted);
+}
+
+clsdf_status clsdf_transform_restrict_with_margin(const clsdf_transform* transform, const clsdf_region* regions,
+                                                  std::int64_t count, double margin, clsdf_transform** restricted) {
     return made(restricted, "restricted", [&] {
         const clsdf_transform& self = of(transform);
         c::elements(regions, count, "regions");
         std::vector<Region> to;
         for (std::int64_t i = 0; i < count; ++i)
             to.push_back({c::box_of(&regions[i].box), regions[i].half_width, regions[i].spacing});
-        return new clsdf_transform(self.transform.restrict_to(to), self.index_base);
+        return new clsdf_transform(self.transform.restrict_to(to, margin), self.index_base);
+    });
+}
+
+clsdf_status clsdf_transform_part_vertices(const clsdf_transform* transform, std::uint32_t* vertices, std::int64_t room,
+                                           std::int64_t* count) {
+    return guarded([&] {
+        std::int64_t& needed = given(count, "count");
+        needed = 0;
+        const clsdf_transform& self = of(transform);
+        const std::vector<std::uint32_t> numbers = self.transform.part_vertices();
+        needed = static_cast<std::int64_t>(numbers.size());
+        if (vertices == nullptr && room == 0) return;
+        if (room < needed)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("vertices has room for {}, and the part has {}; give room for them", room, needed));
+        std::uint32_t* to = &given(vertices, "vertices");
+        for (const std::uint32_t number : numbers) *to++ = number + static_cast<std::uint32_t>(self.index_base);
     });
 }
 

@@ -711,8 +711,9 @@ static void check_motion(void) {
     const double rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, turn[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, up[3] = {0, 0, 0.5},
                  no_rotation[9] = {2, 0, 0, 0, 1, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
     const double turned[9] = {cos(0.3), -sin(0.3), 0, sin(0.3), cos(0.3), 0, 0, 0, 1};
-    double in_floats[9];
-    static float values[SAMPLES];
+    double in_floats[9], *moved;
+    static float values[SAMPLES], distance_of_moved[SAMPLES];
+    uint32_t* numbers;
     const clsdf_target target = float_target(values, SAMPLES);
     clsdf_transform *other, *part, *again;
     uint8_t* bytes;
@@ -749,6 +750,31 @@ static void check_motion(void) {
     region.half_width = band.outside;
     OK(clsdf_grid_voxel(&grid, &region.spacing));
     OK(clsdf_transform_restrict(other, &region, 1, &part));
+    FAILS(CLSDF_UNSUPPORTED, "with a margin", clsdf_transform_part_vertices(part, NULL, 0, &count));
+    OK(clsdf_transform_restrict_with_margin(other, &region, 1, 0.125, &again));
+    OK(clsdf_transform_part_vertices(again, NULL, 0, &count));
+    numbers = malloc((size_t)count * sizeof *numbers);
+    moved = malloc((size_t)count * 3 * sizeof *moved);
+    FAILS(CLSDF_INVALID_ARGUMENT, "has room for 7", clsdf_transform_part_vertices(again, numbers, 7, &count));
+    OK(clsdf_transform_part_vertices(again, numbers, count, &count));
+    for (n = 0; n < count; ++n) { /* the region is all of the mesh */
+        CHECK(numbers[n] == (uint32_t)n);
+        moved[3 * n] = positions[3 * n] + 0.1;
+        moved[3 * n + 1] = positions[3 * n + 1];
+        moved[3 * n + 2] = positions[3 * n + 2];
+    }
+    array = clsdf_host_array(CLSDF_FLOAT64, moved, count);
+    OK(clsdf_transform_set_positions(again, &array, NULL));
+    OK(clsdf_compute(again, &grid, &band, &target, 1, NULL, NULL));
+    memcpy(distance_of_moved, values, sizeof values);
+    OK(clsdf_transform_set_positions(other, &array, NULL));
+    OK(clsdf_compute(other, &grid, &band, &target, 1, NULL, NULL));
+    CHECK(memcmp(values, distance_of_moved, sizeof values) == 0 && memcmp(values, distance, sizeof values) != 0);
+    moved[5] += 0.125;
+    FAILS(CLSDF_INVALID_ARGUMENT, "vertex 1 of", clsdf_transform_set_positions(again, &array, NULL));
+    free(numbers);
+    free(moved);
+    clsdf_transform_release(again);
     clsdf_transform_release(other);
     OK(clsdf_compute(part, &grid, &band, &target, 1, NULL, NULL));
     CHECK(memcmp(values, distance, sizeof values) == 0);

@@ -580,7 +580,9 @@ contains
     type(clsdf_statistics) :: statistics
     integer(c_int8_t) :: places(3)
     real(8), pointer :: vertices(:, :)
-    real(4) :: phi(size(expected, 1), size(expected, 2), size(expected, 3))
+    real(4) :: phi(size(expected, 1), size(expected, 2), size(expected, 3)), of_part(3, 3, 3)
+    real(8), allocatable :: turned(:, :)
+    integer(c_int32_t), allocatable :: own(:)
     real(8) :: winding(2)
     integer :: middle(3)
     box = transform%box()
@@ -618,6 +620,24 @@ contains
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'were changed')
     call transform%part_bytes(bytes, stat, errmsg)
     call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'restrict it first')
+
+    ! A part whose vertices move by up to 0.1.
+    call transform%restrict([clsdf_region(box, 0.3d0, grid%voxel())], part, margin=0.1d0)
+    call part%part_vertices(own)
+    call mesh%vertices(vertices)
+    turned = vertices
+    turned(2, :) = turned(2, :) + 0.09d0*sin(3*vertices(1, :))
+    call same%create(device, mesh)
+    call same%set_positions(turned)
+    call part%set_positions(turned(:, own))
+    call same%compute(grid%part(middle, [3, 3, 3]), band, phi(:3, :3, :3))
+    call part%compute(grid%part(middle, [3, 3, 3]), band, of_part)
+    call check(all(phi(:3, :3, :3) == of_part), 'a part that has moved')
+    call part%set_positions(turned(:, own) + 1, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'the margin 0.1')
+    call part%part_vertices(own)
+    call of_bytes%part_vertices(own, stat, errmsg)
+    call check(stat /= 0, 'vertices of no part')
 
     ! A quarter turn: columns of the rotation are images of the axes.
     call same%create(device, mesh)

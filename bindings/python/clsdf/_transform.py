@@ -236,14 +236,16 @@ class Transform(WithFields):
         return self._body.shared_memory
 
     def set_positions(self, positions: ArrayLike, *, wait_for: Any = None) -> None:
-        """Gives the same faces new positions: an array (n, 3), one row for each vertex of the mesh. What follows from
-        the faces stays. Raises clsdf.Error: invalid_argument for another number of rows, invalid_mesh for a row that is
-        not finite; the positions are those of before then."""
+        """Gives the same faces new positions: an array (n, 3), one row for each vertex of the mesh, or, of a part with a
+        margin, for each of part_vertices. What follows from the faces stays. Raises clsdf.Error: invalid_argument for
+        another number of rows and for a vertex beyond the margin, invalid_mesh for a row that is not finite; the
+        positions are those of before then."""
         positions = _meshes.as_array(positions, np.float64)
         _meshes.refuse_graph("positions", positions, "clsdf.torch.signed_distance(body, points, vertices) gives it, or ")
         with self._moves:
             self._body.set_positions(positions, wait_for)
-            self._positions, self._motion = _meshes.own_copy(positions, self.device), None
+            if self._made_of[0] is not None:
+                self._positions, self._motion = _meshes.own_copy(positions, self.device), None
 
     def set_motion(self, rotation: RotationLike, translation: ArrayLike | None = None) -> Motion:
         """Puts the vertices at rotation @ x + translation. x are the positions of the mesh that the transform was made
@@ -820,14 +822,22 @@ class Transform(WithFields):
             self._body.visible(first, second, hits, found, show, refuse_unusable_points)
         return _number_or_array(found.view(np.bool_).reshape(shape))
 
-    def restrict_to(self, regions: Region | Iterable[Region]) -> Transform:
+    def restrict_to(self, regions: Region | Iterable[Region], margin: float = 0.0) -> Transform:
         """A transform for parts of the domain, which keeps only what they need, and not the mesh's arrays, but with
         surface='outer'. Every grid, point and box asked for later must lie in one region. The results have the bytes of
-        the whole transform."""
+        the whole transform.
+
+        margin: the longest way of a vertex, from where it is now, that set_positions() may give the part, in the mesh's
+        units; 0 if they stay. set_positions() takes one position for each of part_vertices then:
+
+            part.set_positions(positions[part.part_vertices])
+
+        Gradients of a part that has moved raise clsdf.Error (unsupported) if motions by the margin can turn the mesh
+        inside out."""
         plain = [_plain(region) for region in ([regions] if isinstance(regions, Region) else regions)]
         with self._moves:
             part = Transform.__new__(Transform)
-            part._body, part.mesh_name = self._body.restrict_to(plain), self.mesh_name
+            part._body, part.mesh_name = self._body.restrict_to(plain, float(margin)), self.mesh_name
             if self._made_of[5] == "outer":  # which has no bytes
                 part._keep(self._made_of)
                 part._positions, part._motion = self._positions, self._motion
@@ -835,6 +845,12 @@ class Transform(WithFields):
                 part._keep((None, None, self.sign, *self._made_of[3:]))
             part._regions = plain
         return part
+
+    @property
+    def part_vertices(self) -> npt.NDArray[np.uint32]:
+        """Of a part with a margin: the numbers of its vertices in the mesh of the whole, ascending; of vertices with
+        equal coordinates the lowest. Raises clsdf.Error (unsupported) for others."""
+        return self._body.part_vertices()
 
     def part_bytes(self) -> bytes:
         """A restricted transform as bytes, for another process or for later: from_part() makes it again without the mesh

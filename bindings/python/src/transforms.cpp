@@ -149,12 +149,20 @@ void visible(const Body& body, nb::handle from, nb::handle to, const std::string
         [&](const DistanceTransform& transform) { transform.visible(first, second, result, what, call.options()); });
 }
 
-Body restrict_to(const Body& body, const std::vector<std::tuple<Vec3, Vec3, double, double>>& regions) {
+Body restrict_to(const Body& body, const std::vector<std::tuple<Vec3, Vec3, double, double>>& regions, double margin) {
     std::vector<Region> all;
     all.reserve(regions.size());
     for (const auto& [lower, upper, half_width, spacing] : regions)
         all.push_back({Box{lower, upper}, half_width, spacing});
-    return Body(body.device(), body.read([&](const DistanceTransform& whole) { return whole.restrict_to(all); }));
+    return Body(body.device(),
+                body.read([&](const DistanceTransform& whole) { return whole.restrict_to(all, margin); }));
+}
+
+auto part_vertices(const Body& body) {
+    std::vector<std::uint32_t> numbers =
+        body.read([](const DistanceTransform& transform) { return transform.part_vertices(); });
+    const std::size_t count = numbers.size();
+    return array_in<nb::ndarray<nb::numpy, std::uint32_t, nb::ndim<1>>>(std::move(numbers), {count});
 }
 
 nb::bytes part_bytes(const Body& body) {
@@ -270,7 +278,8 @@ void add_transforms(nb::module_& module) {
         .def("visible", &visible, nb::arg("first"), nb::arg("second"), nb::arg("hits"), nb::arg("results"),
              nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
         .def("classify", &classify<DistanceTransform>, nb::arg("boxes"), nb::arg("half_width"))
-        .def("restrict_to", &restrict_to, nb::arg("regions"))
+        .def("restrict_to", &restrict_to, nb::arg("regions"), nb::arg("margin"))
+        .def("part_vertices", &part_vertices)
         .def("part_bytes", &part_bytes)
         .def("set_positions", &set_positions, nb::arg("positions"), nb::arg("wait_for").none())
         .def("set_motion", &set_motion, nb::arg("rotation"), nb::arg("translation"))

@@ -555,6 +555,27 @@ def test_a_part_of_the_domain_has_the_bytes_of_the_whole(body, points):
         part.sample(3)
 
 
+def test_a_part_with_a_margin_moves_as_the_whole(body, points):
+    vertices, faces = clsdf.make_shape("sphere4")
+    whole = clsdf.Transform((vertices, faces), device=body.device)
+    part = whole.restrict_to(clsdf.Region((0.2, -0.5, -0.5), (1.2, 0.5, 0.5), half_width=0.2), margin=0.05)
+    numbers = part.part_vertices
+    assert numbers.dtype == np.uint32 and 0 < len(numbers) < len(vertices) and (np.diff(numbers.astype(int)) > 0).all()
+    inside = points[(points[:, 0] > 0.2) & (points[:, 0] < 1.2) & (np.abs(points[:, 1:]) < 0.5).all(1)]
+    moved = vertices + np.random.default_rng(3).uniform(-0.028, 0.028, vertices.shape)
+    whole.set_positions(moved)
+    part.set_positions(moved[numbers])
+    for own in (part, pickle.loads(pickle.dumps(part))):
+        assert np.array_equal(own.query(inside, within=0.2).distance, whole.query(inside, within=0.2).distance)
+        assert np.array_equal(own.box, whole.box) and np.array_equal(own.part_vertices, numbers)
+    moved[numbers[7]] += 0.1
+    with pytest.raises(clsdf.Error, match=f"vertex {numbers[7]} of .* the margin 0.05"):
+        part.set_positions(moved[numbers])
+    with pytest.raises(clsdf.Error, match="with a margin") as error:
+        whole.part_vertices
+    assert error.value.code == "unsupported"
+
+
 def test_a_part_travels_as_bytes(body, points):
     part = body.restrict_to(clsdf.Region((0, -1, -1), (1.5, 1, 1), half_width=0.2, spacing=0.1))
     inside = points[(points[:, 0] > 0) & (np.abs(points[:, 1:]) < 1).all(1)]

@@ -115,6 +115,43 @@ SiteFrustum point_site(const MeshFaces& faces, std::span<const std::uint32_t> or
     return site;
 }
 
+std::vector<std::uint32_t> site_blocks(std::span<const SiteFrustum> sites, std::span<const JoinedPart> joined) {
+    std::vector<std::uint32_t> blocks;
+    blocks.reserve(sites.size());
+    auto mesh = joined.begin();
+    std::uint32_t first_vertex = 0, first_block = 0;  // of the mesh
+    for (const SiteFrustum& site : sites) {
+        for (; mesh != joined.end() && site.vertex >= mesh->vertex_end; ++mesh) {
+            first_block += (mesh->vertex_end - first_vertex) / site_block + 1;
+            first_vertex = mesh->vertex_end;
+        }
+        blocks.push_back(first_block + (site.vertex - first_vertex) / site_block);
+    }
+    return blocks;
+}
+
+namespace {
+
+constexpr float closed_slope = -1e30F;
+
+}  // namespace
+
+std::vector<SiteFrustum> in_groups(std::span<const SiteFrustum> sites, std::span<const std::uint32_t> blocks) {
+    std::vector<SiteFrustum> result;
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+        result.push_back(sites[i]);
+        if (i + 1 < sites.size() && blocks[i + 1] == blocks[i]) continue;
+        SiteFrustum filling = sites[i];
+        filling.slopes.above = filling.slopes.below = {closed_slope, closed_slope, closed_slope};
+        result.resize(in_record_groups(result.size()), filling);
+    }
+    return result;
+}
+
+bool is_filling(const SiteFrustum& site) {
+    return site.slopes.above[0] == closed_slope;
+}
+
 LatticeView view_of(const Box& box) {
     double largest = 0;
     for (const Vec3& corner : {box.lower, box.upper})
@@ -151,22 +188,6 @@ bool is_sliver(const TriangleFrame& frame) {
     constexpr double thin = 2e-4;  // an altitude, beside its base
     constexpr double vanishing = 1e-20;
     return !(frame.face.altitude > thin * frame.base_length()) || !(frame.base_length() > vanishing);
-}
-
-/// The sites of several meshes, each one's filled up to whole groups of records with cones that no block overlaps.
-std::vector<SiteFrustum> in_groups(std::span<const SiteFrustum> sites, std::span<const JoinedPart> meshes) {
-    constexpr float closed_slope = -1e30F;
-    std::vector<SiteFrustum> result;
-    auto site = sites.begin();
-    for (const JoinedPart& mesh : meshes) {
-        for (; site != sites.end() && site->vertex < mesh.vertex_end; ++site) result.push_back(*site);
-        while (result.size() % record_group != 0) {
-            SiteFrustum filling = result.back();
-            filling.slopes.above = filling.slopes.below = {closed_slope, closed_slope, closed_slope};
-            result.push_back(filling);
-        }
-    }
-    return result;
 }
 
 /// All faces around the vertices, and `others`; ascending.
@@ -219,7 +240,6 @@ void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToH
     for_each_index(gaps.size(), [&](std::size_t i) {
         frusta.sites[i] = point_site(faces, topology.order, topology.faces.vertices, topology.rings, gaps[i]);
     });
-    if (!topology.joined.empty()) frusta.sites = in_groups(frusta.sites, topology.joined);
 }
 
 Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FrustaOptions& options) {

@@ -21,7 +21,7 @@ struct SiteFrustum {
 
 /// The part of a mesh's frusta that decisions of the host have found. Small: the host always has it.
 struct FoundFrusta {
-    std::vector<SiteFrustum> sites;      ///< ascending by vertex; of joined meshes, filled up to whole groups of each
+    std::vector<SiteFrustum> sites;      ///< ascending by vertex; those of a transform in_groups()
     std::vector<std::uint32_t> slivers;  ///< ascending: faces so thin that their frames may be special cases
     std::size_t saddle_vertices = 0;     ///< with convex and concave edges (kernels: flat up to rounding is neither)
     std::size_t boxes = 0;               ///< faces so degenerate that their polyhedron is a box
@@ -69,6 +69,17 @@ Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions
 /// positions.
 void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta,
                      const FrustaOptions& options = {});
+
+/// Consecutive vertices of a mesh, as MeshTopology numbers them, whose point sites share groups of records.
+inline constexpr std::uint32_t site_block = 1024;
+/// The block of each site, ascending. joined: of MeshTopology.
+std::vector<std::uint32_t> site_blocks(std::span<const SiteFrustum> sites, std::span<const JoinedPart> joined);
+/// The sites of each block filled up to whole groups of records (record_group), with cones that no block of samples
+/// overlaps. So what shares a group with a site follows from the vertices near it, and a part of a mesh has the groups
+/// of the whole. blocks: of each site, ascending.
+std::vector<SiteFrustum> in_groups(std::span<const SiteFrustum> sites, std::span<const std::uint32_t> blocks);
+/// Whether a site is one that in_groups() has added.
+bool is_filling(const SiteFrustum& site);
 
 /// The frustum of a vertex by itself: it holds the vertex' whole normal cone. `order`, `vertices`: the caller's indices
 /// of the faces and of the vertices.

@@ -146,7 +146,9 @@ const std::shared_ptr<const NamedFaces>& HomedMesh::names() {
 
 std::optional<PreparedMesh> HomedMesh::make_frusta(const LatticeView* lattice) {
     if (!set_up_.ways.frusta_by_kernels) {
-        frusta_.set(share(engine::make_frusta(topology(), on_host().vertices())), nullptr);
+        Frusta made = engine::make_frusta(topology(), on_host().vertices());
+        made.sites = in_groups(made.sites, site_blocks(made.sites, topology().joined));
+        frusta_.set(share(std::move(made)), nullptr);
         return std::nullopt;
     }
     MadeFrusta made = [&] {
@@ -208,6 +210,18 @@ void HomedMesh::move(std::vector<Vec3> positions) {
     has_moved_ = true;
     positions_.set(std::move(present), std::move(positions_on_device));
     frusta_.forget();
+}
+
+void HomedMesh::move(std::vector<Vec3> positions, const Box& box) {
+    auto present = share(moved(*first().mesh, std::move(positions), box));
+    box_ = box;
+    has_moved_ = true;
+    positions_.set(std::move(present), nullptr);
+    frusta_.forget();
+}
+
+void HomedMesh::set_frusta(Frusta frusta) {
+    frusta_.set(share(std::move(frusta)), nullptr);
 }
 
 template <class Positions>

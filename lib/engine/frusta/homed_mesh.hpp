@@ -46,7 +46,7 @@ public:
     HomedMesh(KeptValues& all, const DeviceTools& tools, std::shared_ptr<const Mesh> given, MadeTopology made);
     /// The host has made the topology, with faces in an order of its own.
     HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology);
-    /// A part of a mesh, which does not move. Its frusta are on the host.
+    /// A part of a mesh. Its frusta are on the host.
     HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology,
               Frusta frusta);
     HomedMesh(const HomedMesh&) = delete;
@@ -103,6 +103,10 @@ public:
 
     /// New positions of the vertices of on_host(). Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
+    /// The same in a box that is known: that of the whole mesh, of which this is a part. The positions are finite.
+    void move(std::vector<Vec3> positions, const Box& box);
+    /// The frusta at the present positions, if they are found elsewhere.
+    void set_frusta(Frusta frusta);
     /// New positions of the caller's vertices: DeviceTriples, or a span. The device gets them, and the host when it
     /// needs them. Returns false, and has done nothing, if the host has to look at them.
     template <class Positions>

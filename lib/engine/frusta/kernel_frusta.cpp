@@ -24,9 +24,10 @@ namespace {
 constexpr double seconds_per_fan = 1e-6;
 constexpr double seconds_per_gap = 1e-5;
 
-/// Room for the point sites of most meshes: one of 240 faces needs one on a noisy scan, one of 1600 on a smooth one.
+/// Room for the point sites of most meshes, in_groups(): one of 240 faces needs one on a noisy scan, one of 1600 on a
+/// smooth one.
 std::size_t spare_records(std::size_t faces) {
-    return 64 + faces / 128;
+    return 64 + faces / 96;
 }
 
 /// The shortest side that is not taken for a sliver's, in units; the same for all lattices, up to their unit.
@@ -88,7 +89,7 @@ public:
             });
             return finish({whole, *frusta_});
         }
-        complete(*part);
+        complete(*part, homed.if_on_host() ? homed.if_on_host()->joined : std::vector<JoinedPart>());
         faces_.part = std::make_shared<const HostPart>(std::move(*part));
         return finish({faces_.part->topology, faces_.part->frusta, faces_.part->faces});
     }
@@ -202,12 +203,16 @@ private:
         read.end();
         left_ = left_by(read->answers);
         complete_frusta(topology, box_, left_, *frusta_);
+        frusta_->sites = in_groups(frusta_->sites, site_blocks(frusta_->sites, topology.joined));
         if (!in_place) place_slopes(*frusta_, left_.faces);
     }
 
     /// Completes the frusta of the part, and the whole's by them.
-    void complete(HostPart& part) {
+    void complete(HostPart& part, std::span<const JoinedPart> joined) {
         complete_frusta(part.topology, box_, part.left, part.frusta);
+        std::vector<SiteFrustum> in_whole_mesh = part.frusta.sites;
+        for (SiteFrustum& site : in_whole_mesh) site.vertex = part.vertices[site.vertex];
+        part.frusta.sites = in_groups(part.frusta.sites, site_blocks(in_whole_mesh, joined));
         const auto in_whole = [](std::span<const std::uint32_t> numbers, const std::vector<std::uint32_t>& of_whole) {
             std::vector<std::uint32_t> result;
             for (const std::uint32_t number : numbers) result.push_back(of_whole[number]);

@@ -73,7 +73,7 @@ std::vector<std::uint32_t> non_manifold_edges(const MeshTopology& topology) {
 
 MeshPart make_part(Mesh mesh, const Box& box, SignSurface surface, std::vector<std::uint32_t> triangles,
                    UninitializedVector<std::uint32_t> order, std::span<const std::uint32_t> non_manifold) {
-    MeshPart part{with_box(std::move(mesh), box), std::move(surface), std::move(triangles), nullptr, {}};
+    MeshPart part{with_box(std::move(mesh), box), std::move(surface), std::move(triangles), nullptr, {}, {}};
     auto made = std::make_shared<MeshTopology>(part.mesh, std::move(order));
     keep_non_manifold(non_manifold, *made);
     part.topology = std::move(made);
@@ -137,6 +137,7 @@ MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopolog
             result.slivers.push_back(static_cast<std::uint32_t>(place - faces.begin()));
     result.saddle_vertices = frusta.saddle_vertices;
     result.boxes = frusta.boxes;
+    part.vertices = std::move(vertices);
     return part;
 }
 

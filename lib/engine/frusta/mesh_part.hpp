@@ -21,6 +21,7 @@ struct MeshPart {
     std::vector<std::uint32_t> triangles;  ///< of each triangle, its index in the whole
     std::shared_ptr<const MeshTopology> topology;
     Frusta frusta;
+    std::vector<std::uint32_t> vertices{};  ///< of each vertex, its index in the whole; of part_of() alone
 };
 
 /// A part with its topology and its vertices' positions in that, and without the other members of its frusta. order: of

@@ -37,9 +37,10 @@ RecordSelection select_records(const device::Context& context, const NearRecords
 
 void set_counts(std::size_t faces, const FoundFrusta& frusta, PreparedMesh& prepared) {
     prepared.triangle_count = faces;
-    prepared.polyhedron_count = faces + frusta.sites.size();
+    prepared.point_sites =
+        frusta.sites.size() - static_cast<std::size_t>(std::ranges::count_if(frusta.sites, is_filling));
+    prepared.polyhedron_count = faces + prepared.point_sites;
     prepared.saddle_vertices = frusta.saddle_vertices;
-    prepared.point_sites = frusta.sites.size();
     prepared.boxes = frusta.boxes;
 }
 

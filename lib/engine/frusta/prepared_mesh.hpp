@@ -44,11 +44,6 @@ struct PreparedMesh {
     virtual std::size_t device_bytes() const { return polyhedra.bytes(); }
 };
 
-/// So many records of faces, and the repeated last one that fills the last group.
-constexpr std::size_t in_record_groups(std::size_t count) {
-    return (count + record_group - 1) / record_group * record_group;
-}
-
 /// The records of a lattice that a grid needs, if they are few: their groups (record_group), ascending.
 struct RecordSelection {
     cl::Buffer groups;  ///< null: all records matter

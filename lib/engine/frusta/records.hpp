@@ -16,6 +16,11 @@ namespace clsdf::engine {
 /// group must not depend on other records, so records are selected in whole groups.
 inline constexpr std::size_t record_group = CLSDF_RECORD_GROUP;
 
+/// So many records, and those that fill the last group: of faces, the last one again.
+constexpr std::size_t in_record_groups(std::size_t count) {
+    return (count + record_group - 1) / record_group * record_group;
+}
+
 /// The record of a polyhedron. corners: the face's vertices.
 Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,
                 std::span<const Vec3> positions, const Triangle& corners, const LatticeView& lattice);

@@ -15,12 +15,19 @@ constexpr std::size_t most_surface_points = 4096;
 
 }  // namespace
 
-SurfaceSample surface_sample(const MeshTopology& topology, const Frusta& frusta) {
+std::vector<Triangle> sample_triangles(const MeshTopology& topology) {
     const std::size_t faces = topology.order.size();
     const std::size_t stride = std::max<std::size_t>(1, faces / most_surface_points);
-    SurfaceSample sample(chunk_count(faces, stride));
+    std::vector<Triangle> sample(chunk_count(faces, stride));
+    for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = topology.faces.triangles[i * stride];
+    return sample;
+}
+
+SurfaceSample surface_sample(const MeshTopology& topology, const Frusta& frusta) {
+    const std::vector<Triangle> triangles = sample_triangles(topology);
+    SurfaceSample sample(triangles.size());
     for_each_index(sample.size(), [&](std::size_t i) {
-        for (std::size_t k = 0; k < 3; ++k) sample[i][k] = frusta.positions[topology.faces.triangles[i * stride][k]];
+        for (std::size_t k = 0; k < 3; ++k) sample[i][k] = frusta.positions[triangles[i][k]];
     });
     return sample;
 }

@@ -15,6 +15,8 @@ using SurfacePoints = std::vector<SurfacePoint>;
 /// The triangles of the sample, of any lattice.
 using SurfaceSample = std::vector<std::array<Vec3, 3>>;
 SurfaceSample surface_sample(const MeshTopology& topology, const Frusta& frusta);
+/// Their vertices, as MeshTopology numbers them.
+std::vector<Triangle> sample_triangles(const MeshTopology& topology);
 
 SurfacePoints surface_points(const SurfaceSample& sample, const LatticeView& lattice);
 

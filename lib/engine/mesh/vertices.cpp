@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace clsdf::engine {
@@ -89,6 +90,14 @@ std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positi
 std::size_t Vertices::callers_number(std::uint32_t vertex) const {
     if (welded_.empty()) return vertex;
     return static_cast<std::size_t>(std::ranges::find(welded_, vertex) - welded_.begin());
+}
+
+std::vector<std::uint32_t> Vertices::callers_numbers(std::size_t count) const {
+    std::vector<std::uint32_t> numbers(count, no_vertex);
+    if (welded_.empty()) std::iota(numbers.begin(), numbers.end(), 0U);
+    for (std::uint32_t vertex = 0; vertex < welded_.size(); ++vertex)
+        if (welded_[vertex] < count) numbers[welded_[vertex]] = std::min(numbers[welded_[vertex]], vertex);
+    return numbers;
 }
 
 std::vector<Vec3> Vertices::moved(std::span<const Vec3> first, const std::array<Vec3, 3>& rotation,

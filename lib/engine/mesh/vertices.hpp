@@ -31,6 +31,8 @@ public:
 
     /// The caller's number of a vertex: the first of those that are equal.
     std::size_t callers_number(std::uint32_t vertex) const;
+    /// The same of the first `count` vertices, ascending.
+    std::vector<std::uint32_t> callers_numbers(std::size_t count) const;
 
     /// New positions of the transform's mesh from those of the caller's. Throws Error(invalid_argument) if their number
     /// is another one, or if vertices that count as one move apart.

@@ -69,7 +69,8 @@ KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool>
       mesh_(kept_, tools(), std::move(part.mesh.mesh), std::move(part.mesh.topology), std::move(part.mesh.frusta)) {
     set_sign_surface(std::move(part.mesh.surface));
     restriction_.set(std::make_shared<const Restriction>(std::move(part.restriction)));
-    set_encloses_negative_volume(part.encloses_negative_volume);
+    set_volume_of_whole(part.encloses_negative_volume);
+    if (part.movable) mover_ = std::make_unique<PartMover>(tools(), std::move(part.movable));
     if (part.given_faces) set_given_faces(std::move(*part.given_faces));
     if (part.boundary) {
         OpenLoops loops;  // of whose vertices a part has none
@@ -79,16 +80,36 @@ KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool>
     }
 }
 
-RegionPart KeptMesh::part_of_regions(std::vector<Region> regions, SignRule sign) {
+RegionPart KeptMesh::part_of_regions(std::vector<Region> regions, SignRule sign, double margin) {
+    if (margin > 0 && given_faces_)
+        throw Error(ErrorCode::unsupported,
+                    "a part with a margin is one of the faces as given, and the transform has the surface outer, "
+                    "whose faces are cut anew when vertices move; make the transform of the mesh of outer()");
+    if (margin > 0 && !ways().frusta_by_kernels)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("a part with a margin is one of a mesh of up to {} triangles, and {} has {}; divide "
+                                "the mesh",
+                                std::size_t{1} << 28, name(), face_count()));
     return prepare([&] {
         Restriction restriction(std::move(regions));
-        RegionPart part{
-            part_of(mesh(), sign_surface(), topology(), frusta(), restriction.near(index(), sign, sign_surface_gap())),
-            std::move(restriction), encloses_negative_volume()};
+        NearWithinMargin near;
+        if (margin > 0) {
+            // The mesh may grow by two margins, and with it the gap.
+            const double gap = sign_surface_gap() * (1 + 2 * margin / box().longest_side());
+            near = near_within_margin(restriction.near_boxes(sign, gap), topology(), frusta(), margin);
+            restriction.record_count = near.records.face_count + near.records.site_count;
+        } else {
+            near.records = restriction.near(index(), sign, sign_surface_gap());
+        }
+        RegionPart part{part_of(mesh(), sign_surface(), topology(), frusta(), near.records), std::move(restriction),
+                        encloses_negative_volume()};
         part.restriction.numbers = part.mesh.triangles;
         part.restriction.sample = surface_sample(topology(), frusta());
         if (given_faces_) part.given_faces = given_faces_->of(part.restriction.numbers);
         part.boundary = boundary();
+        if (margin > 0)
+            part.movable = std::make_shared<const MovablePart>(make_movable(
+                {mesh(), vertices(), sign_surface(), topology(), open_loops_.get().get()}, part.mesh, near, margin));
         return part;
     });
 }
@@ -97,9 +118,10 @@ RegionPart KeptMesh::own_part() {
     return prepare([&] {
         RegionPart part{{mesh(), sign_surface(), restriction_->numbers, shared_topology(), frusta()},
                         *restriction_.get(),
-                        encloses_negative_volume()};
+                        volume_is_unknown_ ? std::nullopt : std::optional(encloses_negative_volume())};
         if (given_faces_) part.given_faces = *given_faces_.get();
         part.boundary = boundary();
+        if (mover_) part.movable = mover_->movable();
         return part;
     });
 }
@@ -117,6 +139,23 @@ Job KeptMesh::checked(JobKey asked, SignRule sign) const {
 void KeptMesh::move(std::vector<Vec3> positions) {
     mesh_.move(std::move(positions));
     forget_positions();
+}
+
+void KeptMesh::move_part(std::span<const Vec3> positions) {
+    MovedPart moved = prepare([&] { return mover_->moved(positions, topology(), sign_surface()); });
+    auto restriction = std::make_shared<Restriction>(*restriction_.get());
+    restriction->sample = std::move(moved.sample);
+    mesh_.move(std::move(moved.positions), moved.box);
+    forget_positions();
+    mesh_.set_frusta(std::move(moved.frusta));
+    restriction_.set(std::move(restriction));
+    boundary_.set(std::move(moved.boundary));
+    set_volume_of_whole(moved.encloses_negative_volume);
+}
+
+void KeptMesh::set_volume_of_whole(const std::optional<bool>& is_negative) {
+    volume_is_unknown_ = !is_negative;
+    if (is_negative) set_encloses_negative_volume(*is_negative);
 }
 
 template <class Positions>
@@ -250,6 +289,12 @@ std::shared_ptr<const OpenBoundary> KeptMesh::any_boundary() {
 }
 
 bool KeptMesh::encloses_negative_volume() {
+    if (volume_is_unknown_)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("gradients need the side that the faces of all of {} look to, and motions by up to the "
+                                "margin {} of this part can turn it inside out; leave gradients out, or restrict the "
+                                "whole transform with a smaller margin",
+                                name(), mover_->movable()->margin));
     return *encloses_negative_volume_.get_or([&] { return clsdf::encloses_negative_volume(mesh(), sign_surface()); });
 }
 
@@ -308,6 +353,11 @@ void KeptMesh::release() {
 KeptMemory KeptMesh::memory() {
     KeptMemory sum;
     sum.host_bytes = mesh_.first_position_bytes();
+    if (mover_) {
+        const KeptMemory memory = mover_->memory();
+        sum.host_bytes += memory.host_bytes;
+        sum.device_bytes += memory.device_bytes;
+    }
     each_kept([&](const KeptValue& value) {
         const KeptMemory memory = value.memory();
         sum.host_bytes += memory.host_bytes;

@@ -15,6 +15,7 @@
 #include "plan/job.hpp"
 #include "plan/joined_meshes.hpp"
 #include "plan/lattice.hpp"
+#include "plan/part_mover.hpp"
 #include "plan/region_part.hpp"
 #include "sign/exact_sides.hpp"
 #include "sign/sweep_mesh.hpp"
@@ -73,12 +74,15 @@ public:
 
     /// A mesh of only what samples and points of regions can need; see DistanceTransform::restrict_to().
     KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, RegionPart part, Options options);
-    /// The part of which such a mesh of this one is made.
-    RegionPart part_of_regions(std::vector<Region> regions, SignRule sign);
+    /// The part of which such a mesh of this one is made. margin: by which its vertices may move; 0 if they stay.
+    /// Throws Error(unsupported) for a margin that the mesh cannot have.
+    RegionPart part_of_regions(std::vector<Region> regions, SignRule sign, double margin);
     /// The part of which this mesh was made, if it is one.
     RegionPart own_part();
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_.get().get(); }
+    /// Null for the whole mesh, and for a part whose vertices stay.
+    const MovablePart* movable() const { return mover_ ? mover_->movable().get() : nullptr; }
     /// Fields are those of some of the joined meshes, whose numbers ascend: see records_of_meshes().
     void select_meshes(std::vector<std::uint32_t> meshes) { selected_ = std::move(meshes); }
     bool has_selection() const { return !selected_.empty(); }
@@ -153,9 +157,13 @@ public:
         return mesh_.has_equal_on_device() && move_on_device(positions, positions.size());
     }
 
+    /// The same of the vertices of such a part: see PartMover::moved().
+    void move_part(std::span<const Vec3> positions);
+
     /// How often the vertices have moved. For any number of threads.
     std::size_t moves() const { return moves_; }
 
+    /// Throws Error(unsupported) if a part that has moved cannot tell.
     bool encloses_negative_volume();
     /// At the present positions, for those who know it.
     void set_encloses_negative_volume(bool value) {
@@ -237,6 +245,8 @@ private:
     std::size_t only_copy_bytes() const;
     /// Gives up what was made of other positions.
     void forget_positions();
+    /// Of the whole mesh, of which this is a part.
+    void set_volume_of_whole(const std::optional<bool>& is_negative);
     template <class Positions>
     bool move_on_device(const Positions& positions, std::size_t count);
     [[noreturn]] void refuse_memory() const;
@@ -253,6 +263,8 @@ private:
     Options options_;
     KeptValues kept_;  // those that follow, in their order
     HomedMesh mesh_;
+    std::unique_ptr<PartMover> mover_;
+    bool volume_is_unknown_ = false;
     Kept<Restriction> restriction_{kept_, MadeOf::triangles};
     Kept<GivenFaces> given_faces_{kept_, MadeOf::triangles};
     Kept<SignSurface> sign_surface_{kept_, MadeOf::triangles};

@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -23,11 +25,13 @@ namespace {
 struct Head {
     std::array<char, 8> name{'c', 'l', 's', 'd', 'f', 'p', 'r', 't'};
     std::uint32_t byte_order = 0x01020304;
-    std::uint32_t layout = 1;  ///< of what follows; another number for each change of it
+    std::uint32_t layout = 2;  ///< of what follows; another number for each change of it
     std::uint64_t version = CLSDF_VERSION;
     std::uint64_t size = 0;  ///< of what follows
     std::uint64_t hash = 0;  ///< of what follows
 };
+
+constexpr std::uint32_t unknown_volume = 2;
 
 std::uint64_t hash_of(std::span<const std::byte> bytes) {
     WordHash hash;
@@ -78,6 +82,17 @@ struct Content {
     UninitializedVector<FaceSlopes> slopes;
     std::vector<Vec3> corners;
     std::vector<std::size_t> begins;
+    // Of a part that moves; else empty.
+    double margin = 0;
+    std::uint32_t has_volume = 0, first_is_negative = 0, loops_have_floor = 0;
+    double loops_floor = 0;
+    std::vector<Vec3> first;
+    std::vector<Triangle> faces_about;
+    UninitializedVector<std::uint32_t> order_about;
+    std::vector<std::uint32_t> vertex_numbers, own_vertices, own_faces, places;
+    std::vector<Triangle> sample_triangles;
+    std::vector<std::uint32_t> loop_vertices;
+    std::vector<std::size_t> loop_begins;
 
     template <typename Archive>
     void visit(Archive& archive) {
@@ -105,9 +120,24 @@ struct Content {
         archive(slopes);
         archive(corners);
         archive(begins);
+        visit_movable(archive);
     }
 
 private:
+    template <typename Archive>
+    void visit_movable(Archive& archive) {
+        archive(margin);
+        for (std::uint32_t* flag : {&has_volume, &first_is_negative, &loops_have_floor}) archive(*flag);
+        archive(loops_floor);
+        archive(first);
+        archive(faces_about);
+        archive(order_about);
+        for (std::vector<std::uint32_t>* list : {&vertex_numbers, &own_vertices, &own_faces, &places}) archive(*list);
+        archive(sample_triangles);
+        archive(loop_vertices);
+        archive(loop_begins);
+    }
+
     template <typename Archive>
     void visit_topology(Archive& archive) {
         Topology& t = topology;
@@ -191,6 +221,64 @@ bool fits(const Content& c) {
     return fits;
 }
 
+bool are_below(std::span<const Triangle> triangles, std::size_t limit) {
+    return std::ranges::all_of(triangles, [&](const Triangle& triangle) { return are_below(triangle, limit); });
+}
+
+bool is_ascending(std::span<const std::uint32_t> values) {
+    return std::ranges::adjacent_find(values, std::greater_equal<>()) == values.end();
+}
+
+/// The same of what a part that moves has beside.
+bool fits_to_move(const Content& c) {
+    if (c.margin == 0) return true;
+    const std::size_t vertices = c.first.size(), faces = c.faces_about.size();
+    return c.margin > 0 && std::isfinite(c.margin) && faces > 0 && c.order_about.size() == faces &&
+           is_permutation(c.order_about) && c.vertex_numbers.size() == vertices && c.places.size() == vertices &&
+           is_ascending(c.vertex_numbers) && c.own_vertices.size() == c.vertices.size() &&
+           is_ascending(c.own_vertices) && are_below(c.own_vertices, vertices) &&
+           c.own_faces.size() == c.triangles.size() && is_ascending(c.own_faces) && are_below(c.own_faces, faces) &&
+           are_below(c.faces_about, vertices) && are_below(c.sample_triangles, vertices) &&
+           c.sample_triangles.size() == c.sample.size() && are_below(c.loop_vertices, vertices) &&
+           !c.loop_begins.empty() && c.loop_begins.front() == 0 && c.loop_begins.back() == c.loop_vertices.size() &&
+           std::ranges::is_sorted(c.loop_begins);
+}
+
+void set_movable(const MovablePart& movable, Content& content) {
+    content.margin = movable.margin;
+    content.has_volume = movable.encloses_negative_volume ? 1 : 0;
+    content.first_is_negative = movable.encloses_negative_volume.value_or(false) ? 1 : 0;
+    content.first = movable.mesh.vertices();
+    content.faces_about = movable.mesh.triangles();
+    content.order_about = movable.order;
+    content.vertex_numbers = movable.numbers;
+    content.own_vertices = movable.vertices;
+    content.own_faces = movable.faces;
+    content.places = movable.places;
+    content.sample_triangles = movable.sample;
+    content.loop_vertices = movable.loops.vertices;
+    content.loop_begins = movable.loops.begins;
+    content.loops_have_floor = movable.loops.floor ? 1 : 0;
+    content.loops_floor = movable.loops.floor.value_or(0);
+}
+
+std::shared_ptr<const MovablePart> movable_of(Content& content, const std::string& name) {
+    if (content.margin == 0) return nullptr;
+    MovablePart movable{.margin = content.margin,
+                        .mesh = Mesh(std::move(content.first), std::move(content.faces_about), name),
+                        .order = std::move(content.order_about),
+                        .numbers = std::move(content.vertex_numbers),
+                        .vertices = std::move(content.own_vertices),
+                        .faces = std::move(content.own_faces),
+                        .places = std::move(content.places),
+                        .sample = std::move(content.sample_triangles)};
+    movable.loops.vertices = std::move(content.loop_vertices);
+    movable.loops.begins = std::move(content.loop_begins);
+    if (content.loops_have_floor != 0) movable.loops.floor = content.loops_floor;
+    if (content.has_volume != 0) movable.encloses_negative_volume = content.first_is_negative != 0;
+    return std::make_shared<const MovablePart>(std::move(movable));
+}
+
 }  // namespace
 
 std::vector<std::byte> bytes_of(const RegionPart& part, const SignOfWhole& sign) {
@@ -199,7 +287,7 @@ std::vector<std::byte> bytes_of(const RegionPart& part, const SignOfWhole& sign)
     content.has_floor = sign.floor ? 1 : 0;
     content.floor = sign.floor.value_or(0);
     content.topology = sign.topology;
-    content.is_negative = part.encloses_negative_volume ? 1 : 0;
+    content.is_negative = !part.encloses_negative_volume ? unknown_volume : *part.encloses_negative_volume ? 1 : 0;
     content.regions = part.restriction.regions;
     content.record_count = part.restriction.record_count;
     content.numbers = part.restriction.numbers;
@@ -229,6 +317,7 @@ std::vector<std::byte> bytes_of(const RegionPart& part, const SignOfWhole& sign)
         content.boundary_has_floor = part.boundary->floor ? 1 : 0;
         content.boundary_floor = part.boundary->floor.value_or(0);
     }
+    if (part.movable) set_movable(*part.movable, content);
     WritingArchive archive;
     Head head;
     archive(head);
@@ -262,7 +351,7 @@ StoredPart part_of_bytes(std::span<const std::byte> bytes) {
     } catch (const ReadingArchive::Ended&) {
         refuse("they end too early");
     }
-    if (!fits(content)) refuse("an index or a count is out of range");
+    if (!fits(content) || !fits_to_move(content)) refuse("an index or a count is out of range");
 
     SignSurface surface;
     surface.vertices = std::move(content.surface_vertices);
@@ -276,7 +365,8 @@ StoredPart part_of_bytes(std::span<const std::byte> bytes) {
     StoredPart stored{
         {make_part(std::move(mesh), content.box, std::move(surface), std::move(content.numbers),
                    std::move(content.order), content.non_manifold),
-         std::move(restriction), content.is_negative != 0},
+         std::move(restriction),
+         content.is_negative == unknown_volume ? std::nullopt : std::optional(content.is_negative != 0)},
         {static_cast<SignRule>(content.sign), content.has_floor != 0 ? std::optional(content.floor) : std::nullopt,
          std::move(content.topology)}};
     Frusta& frusta = stored.part.mesh.frusta;
@@ -295,6 +385,7 @@ StoredPart part_of_bytes(std::span<const std::byte> bytes) {
         if (content.boundary_has_floor != 0) boundary->floor = content.boundary_floor;
         stored.part.boundary = std::move(boundary);
     }
+    stored.part.movable = movable_of(content, stored.part.mesh.mesh.name());
     return stored;
 }
 

@@ -2,6 +2,7 @@
 
 #include "finish/given_faces.hpp"
 #include "frusta/mesh_part.hpp"
+#include "plan/movable_part.hpp"
 #include "plan/restriction.hpp"
 #include "surface/open_edges.hpp"
 
@@ -20,9 +21,10 @@ namespace clsdf::engine {
 struct RegionPart {
     MeshPart mesh;
     Restriction restriction;
-    bool encloses_negative_volume = false;  ///< the whole mesh
+    std::optional<bool> encloses_negative_volume = false;  ///< the whole mesh; nothing if the part cannot tell
     std::optional<GivenFaces> given_faces{};
     std::shared_ptr<const OpenBoundary> boundary{};  ///< of the whole mesh; null if none counts for the sign
+    std::shared_ptr<const MovablePart> movable{};    ///< null if its vertices stay where they are
 };
 
 /// The facts of the whole mesh that a transform of a part has.

@@ -51,15 +51,21 @@ std::size_t Restriction::host_bytes() const {
     return numbers.size() * sizeof(numbers[0]) + sample.size() * sizeof(sample[0]);
 }
 
-NearRecords Restriction::near(const ClusterIndex& index, SignRule sign, double joined) {
+Restriction::NearBoxes Restriction::near_boxes(SignRule sign, double joined) const {
     // Up to the grids' outermost bricks and the slack of their tests, which is far less than a sample.
-    std::vector<Box> boxes, rows;
+    NearBoxes near;
     for (const Region& region : regions) {
-        boxes.push_back(widened(region.box, region.half_width * (1 + 1e-3) + (CLSDF_BRICK + 1) * region.spacing));
+        near.boxes.push_back(widened(region.box, region.half_width * (1 + 1e-3) + (CLSDF_BRICK + 1) * region.spacing));
+        if (sign == SignRule::none) continue;
         // The sweep's rows are those of the grid's bricks: see box_near_rows().
-        rows.push_back(widened(region.box, (CLSDF_BRICK + 1) * region.spacing + joined));
-        rows.back().lower[0] = -infinite_length;
+        near.rows.push_back(widened(region.box, (CLSDF_BRICK + 1) * region.spacing + joined));
+        near.rows.back().lower[0] = -infinite_length;
     }
+    return near;
+}
+
+NearRecords Restriction::near(const ClusterIndex& index, SignRule sign, double joined) {
+    const auto [boxes, rows] = near_boxes(sign, joined);
     NearRecords near = index.near(boxes);
     record_count = near.face_count + near.site_count;
     if (sign != SignRule::none) {

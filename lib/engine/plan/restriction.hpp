@@ -29,8 +29,14 @@ public:
 
     std::size_t host_bytes() const;
 
+    /// Boxes that hold a point of each triangle that decides distances, and signs, of samples of any lattice in the
+    /// regions; without `rows` if there is no sign. joined: how far those that decide the sign may lie from the mesh's.
+    struct NearBoxes {
+        std::vector<Box> boxes, rows;
+    };
+    NearBoxes near_boxes(SignRule sign, double joined) const;
     /// The triangles that decide distances, and signs, of samples of any lattice in the regions; at least one. Sets
-    /// record_count. joined: how far those that decide the sign may lie from the mesh's.
+    /// record_count. joined: as above.
     NearRecords near(const ClusterIndex& index, SignRule sign, double joined);
     /// Those that decide distances of samples of a lattice.
     NearRecords near_bricks(const ClusterIndex& index, const Vec3& origin, const Vec3& spacing) const;

@@ -28,6 +28,9 @@ public:
         scale_ = half_side > 0 ? std::min(1 / half_side, 1e300) : 0;  // finite for the smallest numbers, too
     }
 
+    /// Lengths are multiplied by it.
+    double scale() const { return scale_; }
+
     Vec3 local(std::uint32_t index) const {
         const Vec3& vertex = vertices_[index];
         return {(vertex[0] - centre_[0]) * scale_, (vertex[1] - centre_[1]) * scale_,

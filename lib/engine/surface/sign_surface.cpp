@@ -61,6 +61,13 @@ void check_joined(const engine::Vertices& vertices, const Mesh& mesh, const Sign
     Box all = empty_box;
     for (const Triangle& triangle : mesh.triangles())
         for (const std::uint32_t index : triangle) add(all, {moved[index], moved[index]});
+    check_joined(mesh.name(), all, surface, moved,
+                 [&](std::uint32_t vertex) { return vertices.callers_number(vertex); });
+}
+
+void check_joined(const std::string& name, const Box& all, const SignSurface& surface, std::span<const Vec3> moved,
+                  const std::function<std::size_t(std::uint32_t)>& callers_number) {
+    if (surface.vertices.empty()) return;
     double half_side = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
         half_side = std::max(half_side, 0.5 * all.upper[axis] - 0.5 * all.lower[axis]);
@@ -80,9 +87,8 @@ void check_joined(const engine::Vertices& vertices, const Mesh& mesh, const Sign
                             "they move apart, to ({}, {}, {}) and ({}, {}, {}), or others that are joined with "
                             "them do; move them together, to within {} on each axis, use the sign rule none, or "
                             "make a new transform",
-                            vertices.callers_number(least), vertices.callers_number(vertex), mesh.name(),
-                            moved[least][0], moved[least][1], moved[least][2], moved[vertex][0], moved[vertex][1],
-                            moved[vertex][2], most));
+                            callers_number(least), callers_number(vertex), name, moved[least][0], moved[least][1],
+                            moved[least][2], moved[vertex][0], moved[vertex][1], moved[vertex][2], most));
         }
     }
 }

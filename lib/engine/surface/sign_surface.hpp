@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace clsdf {
@@ -65,5 +67,9 @@ std::vector<DoubledFace> doubled_faces(std::span<const Triangle> triangles, std:
 /// apart than joined_extent of the longest side. `moved`: as Vertices::moved() returns them.
 void check_joined(const engine::Vertices& vertices, const Mesh& mesh, const SignSurface& surface,
                   std::span<const Vec3> moved);
+/// The same of a part of a mesh with this name, whose box is that of the whole at the new positions. callers_number: of
+/// a vertex.
+void check_joined(const std::string& name, const Box& box, const SignSurface& surface, std::span<const Vec3> moved,
+                  const std::function<std::size_t(std::uint32_t)>& callers_number);
 
 }  // namespace clsdf

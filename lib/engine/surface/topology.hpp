@@ -6,6 +6,7 @@
 #include "surface/sign_surface.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,9 @@ namespace clsdf {
 
 /// Whether a closed surface encloses a volume that is negative by more than its rounding error: its faces look inwards.
 bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface = {});
+
+/// The same at all positions that are at most `margin` from the mesh's; nothing if it is not the same at all of them.
+std::optional<bool> encloses_negative_volume(const Mesh& mesh, const SignSurface& surface, double margin);
 
 /// The same of sums over all faces: LocalFrame::add_volume(), by halves down to leaves of so many faces.
 inline constexpr std::size_t volume_leaf = 64;

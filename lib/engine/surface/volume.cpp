@@ -2,6 +2,8 @@
 #include "surface/local_frame.hpp"
 #include "surface/topology.hpp"
 
+#include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -37,7 +39,9 @@ bool is_negative_volume(double sum, double magnitude, std::size_t faces) {
     return sum < -rounding * magnitude;
 }
 
-bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface) {
+namespace {
+
+Volume volume_of(const Mesh& mesh, const SignSurface& surface) {
     const LocalFrame frame(mesh);
     constexpr std::size_t grain = 4096;  // ranges are divided by halves, too
     const auto sum_of = [&](const auto& triangle_of) {
@@ -49,9 +53,34 @@ bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface) {
             std::plus<>());
     };
     const std::vector<Triangle>& given = mesh.triangles();
-    const Volume volume = surface.is_mesh() ? sum_of([&](std::size_t t) -> const Triangle& { return given[t]; })
-                                            : sum_of([&](std::size_t t) { return surface.triangle(given[t], t); });
-    return is_negative_volume(volume.sum, volume.magnitude, given.size());
+    return surface.is_mesh() ? sum_of([&](std::size_t t) -> const Triangle& { return given[t]; })
+                             : sum_of([&](std::size_t t) { return surface.triangle(given[t], t); });
+}
+
+}  // namespace
+
+bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface) {
+    const Volume volume = volume_of(mesh, surface);
+    return is_negative_volume(volume.sum, volume.magnitude, mesh.triangles().size());
+}
+
+std::optional<bool> encloses_negative_volume(const Mesh& mesh, const SignSurface& surface, double margin) {
+    const LocalFrame frame(mesh);
+    const double most = margin * frame.scale();
+    // A closed surface sweeps at most its area, at any time of a straight motion, times the way. A moved edge is at
+    // most two ways longer.
+    double area = 0;
+    for (const Triangle& triangle : mesh.triangles()) {
+        const std::array<Vec3, 3> at{frame.local(triangle[0]), frame.local(triangle[1]), frame.local(triangle[2])};
+        const auto side = [&](std::size_t k) {
+            return std::hypot(at[k][0] - at[0][0], at[k][1] - at[0][1], at[k][2] - at[0][2]);
+        };
+        area += length_of(frame.normal(triangle)) / 2 + most * (side(1) + side(2)) + 2 * most * most;
+    }
+    const Volume volume = volume_of(mesh, surface);
+    const double change = 6 * most * area + 1e-6 * volume.magnitude;  // and rounding
+    if (std::abs(volume.sum) > change) return volume.sum < 0;
+    return std::nullopt;
 }
 
 }  // namespace clsdf

@@ -91,19 +91,32 @@ public:
     /// near the regions and, for a sign, those with smaller x in the rows of their samples. Every grid, point and box
     /// asked for later must lie in a region, with at most its half width and its spacing. Other calls throw
     /// Error(invalid_argument) that names the nearest region. The results have the bytes of the whole transform. The
-    /// part cannot get other positions or be restricted again (Error(unsupported)). The whole transform is prepared
-    /// first, which blocks. It may be destroyed afterwards.
+    /// part cannot be restricted again (Error(unsupported)). The whole transform is prepared first, which blocks. It
+    /// may be destroyed afterwards.
+    ///
+    /// margin: the longest way of a vertex, in the mesh's units, from where it is now, that set_positions() may give
+    /// the part; 0 if they stay. The part also keeps the triangles that such motions may bring near the regions, those
+    /// around them, and a few vertices from elsewhere that decide values of the whole: part_vertices(). Fields of it
+    /// have the bytes of the whole transform at the same positions.
     ///
     /// Throws Error(invalid_argument) that names the index of a region whose box has a coordinate that is not finite or
     /// a lower corner above its upper one, whose half width is not positive and finite, or whose spacing is negative or
-    /// not finite, and if there is no region; Error(unsupported) for a transform that is restricted already or has
-    /// polyhedra of clsdf::papers; Error(out_of_memory).
-    DistanceTransform restrict_to(std::span<const Region> regions) const;
-    DistanceTransform restrict_to(const Region& region) const { return restrict_to(std::span(&region, 1)); }
+    /// not finite, if there is no region, and for a margin that is negative or not finite; Error(unsupported) for a
+    /// transform that is restricted already or has polyhedra of clsdf::papers, and for a margin if its surface is
+    /// `outer` or it has more than 2^28 triangles; Error(out_of_memory).
+    DistanceTransform restrict_to(std::span<const Region> regions, double margin = 0) const;
+    DistanceTransform restrict_to(const Region& region, double margin = 0) const {
+        return restrict_to(std::span(&region, 1), margin);
+    }
+    /// The vertices of a part with a margin, ascending, by their numbers in the mesh that the whole transform was made
+    /// from; of vertices with equal coordinates, which count as one, the lowest number. set_positions() takes one
+    /// position for each. Throws Error(unsupported) if the transform has no margin.
+    std::vector<std::uint32_t> part_vertices() const;
 
     /// A restricted transform as bytes, for another process or for later: from_part() makes it again without the mesh
     /// and without the work of preparing it. The same part has the same bytes. They are this machine's, for programs
-    /// with the same version of clsdf: 65 to 70 for each triangle that the part keeps, and up to 180 kB beside. While
+    /// with the same version of clsdf: 65 to 70 for each triangle that the part keeps, and up to 180 kB beside; with a
+    /// margin 50 more and up to 800 kB. While
     /// the call lasts, the part is in memory up to four times. Throws Error(unsupported) if the transform is whole or
     /// its surface is `outer`, Error(out_of_memory).
     std::vector<std::byte> part_bytes() const;
@@ -128,10 +141,16 @@ public:
     /// With Surface::outer faces are cut anew, which takes as long as a new transform, and topology() and sign() are
     /// those of the mesh at these positions. Of `call`, should_stop counts then; it also throws as outer() does.
     ///
-    /// Throws Error(invalid_argument) if the number of positions differs, for memory that is missing, too small or of
-    /// another context, if vertices that had equal coordinates, and count as one, move apart, or if one moves down to
-    /// the floor of the sign rule `below`; Error(invalid_mesh) if a vertex in use is not finite; Error(unsupported) for
-    /// a restricted transform or a buffer that the host may not read. After an error the positions are those of before.
+    /// A part that was made with a margin takes one position for each of part_vertices(). It has the margin that it was
+    /// made with, counted from the positions of that time. Sums over the whole mesh in TransformStatistics are those of
+    /// the triangles that it has. If motions by the margin can turn the mesh inside out, so that the volume that it
+    /// encloses would be negative, gradients of a part that has moved are Error(unsupported).
+    ///
+    /// Throws Error(invalid_argument) if the number of positions differs, if a vertex of a part is farther than its
+    /// margin, which names the vertex, for memory that is missing, too small or of another context, if vertices that
+    /// had equal coordinates, and count as one, move apart, or if one moves down to the floor of the sign rule `below`;
+    /// Error(invalid_mesh) if a vertex in use is not finite; Error(unsupported) for a restricted transform without a
+    /// margin or a buffer that the host may not read. After an error the positions are those of before.
     void set_positions(const InputArray& positions, const CallOptions& call = {});
 
     /// Puts the vertices at R x + t, a rigid motion. x are the positions of the mesh that the transform was made from,
