@@ -551,6 +551,9 @@ def judge(path, sha, options):
     far = numpy.abs(truth["given"] - numpy.round(truth["given"])) > 0.1
     here = str(truth["rule"])
     reported = [info["defects"][key] for key in ("uncounted_faces", "reoriented_faces", "sheet_faces")]
+    # The script does not look for bodies that are there on both sides (docs/sign.md), which have an inside by that.
+    is_other = info["defects"].get("double_sided_faces", 0) > 0 and truth["done"].tolist() != reported
+    differing = int(((numpy.signbit(found) != inside) & ~doubt).sum())
     return result | {
         "points": len(found),
         "rule_here": rule if here == "open" and rule in ("solid-angle", "none") else here,
@@ -559,7 +562,8 @@ def judge(path, sha, options):
         "wrong_values": int((~(error <= limit)).sum()),
         "error_voxels": float(error.max() / voxel),
         "doubt": int(doubt.sum()),
-        "wrong_signs": int(((numpy.signbit(found) != inside) & ~doubt).sum()),
+        "wrong_signs": 0 if is_other else differing,
+        "other_signs": differing if is_other else 0,
         "inside": int(inside.sum()),
         "not_integer": int(far.sum()),
         "beyond_half": int((numpy.abs(truth["given"]) > 0.5).sum()),
@@ -658,6 +662,9 @@ def record_of(results, left, files, options):
         f"| points | {sum(result['points'] for result in tested):,} in {len(tested):,} files, {sum(result['inside'] for result in tested):,} of them inside; seed {options.seed}; "
         f"{options.points} a file, fewer above 100,000 triangles |",
         f"| wrong | {wrong_signs:,} signs, {wrong_values:,} distances beyond max(1e-5 voxel, 2 ulp) |",
+        f"| not compared | {sum(result.get('other_signs', 0) for result in tested):,} signs that differ in "
+        f"{sum(result.get('other_signs', 0) > 0 for result in tested):,} files with bodies that are there on both sides, "
+        "for which the script does not look |",
         f"| in doubt | {sum(result['doubt'] for result in tested):,} points whose sign was not judged |",
         f"| largest error | {max((result['error_voxels'] for result in tested), default=0):.1e} voxel, of 1/256 of the "
         "longest side |",
