@@ -113,7 +113,7 @@ Command add_part(Parser& program) {
     parser.add("--ghosts", choice->ghosts, "samples around each block, on all sides")
         .takes_whole_number("N", 0, most_samples_on_a_side);
     parser.add("--band", own.band, "the largest distance asked for").takes_text("LENGTH");
-    parser.add("--moves", choice->moves, "the longest way of a vertex that parts may move").takes_text("LENGTH");
+    parser.add("--moves", choice->moves, "the longest way of a vertex in later positions").takes_text("LENGTH");
     add_grid_options(parser, own, "room around the mesh [--band]");
     parser.begin_group("Options");
     add_sign_options(parser, own.sign);

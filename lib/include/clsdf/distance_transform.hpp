@@ -116,9 +116,8 @@ public:
     /// A restricted transform as bytes, for another process or for later: from_part() makes it again without the mesh
     /// and without the work of preparing it. The same part has the same bytes. They are this machine's, for programs
     /// with the same version of clsdf: 65 to 70 for each triangle that the part keeps, and up to 180 kB beside; with a
-    /// margin 50 more and up to 800 kB. While
-    /// the call lasts, the part is in memory up to four times. Throws Error(unsupported) if the transform is whole or
-    /// its surface is `outer`, Error(out_of_memory).
+    /// margin about twice as many, and up to 900 kB. While the call lasts, the part is in memory up to four times.
+    /// Throws Error(unsupported) if the transform is whole or its surface is `outer`, Error(out_of_memory).
     std::vector<std::byte> part_bytes() const;
     /// The restricted transform of these bytes, on any device, with the results and the refusals of the one that they
     /// were made from. kept_bytes: as TransformOptions has them. Throws Error(invalid_argument) if the bytes are no
