@@ -1,10 +1,9 @@
 #pragma once
 
+#include "scenes/least_field.hpp"
 #include "scenes/meeting_lines.hpp"
 #include "scenes/searched_bodies.hpp"
 #include "scenes/union_test.hpp"
-
-#include <clsdf/scene.hpp>
 
 #include <cstdint>
 
