@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <vector>
 
 using namespace clsdf;
@@ -368,6 +369,37 @@ BOOST_AUTO_TEST_CASE(fields_of_a_union_are_those_of_its_cut_surface) {
         BOOST_TEST(std::ranges::equal(scene.compute(grid, band, Output::body).body(), found.body()));
         BOOST_TEST(std::ranges::equal(scene.compute(grid, band).distance(), found.distance()));
     }
+}
+
+namespace {
+
+/// Around the z axis: a ring of `count` vertices between two others.
+Mesh spindle(std::size_t count, double radius, double ring, double below, double above) {
+    std::vector<Vec3> vertices{{0, 0, below}, {0, 0, above}};
+    std::vector<Triangle> triangles;
+    const auto n = static_cast<std::uint32_t>(count);
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const double angle = 2 * std::numbers::pi * i / n;
+        vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), ring});
+        const std::uint32_t a = 2 + i, b = 2 + (i + 1) % n;
+        triangles.push_back({0, b, a});
+        triangles.push_back({1, a, b});
+    }
+    return {vertices, triangles, "spindle"};
+}
+
+}  // namespace
+
+// The tip of a body touches the deepest point of another one's pit, where that has many narrow faces.
+BOOST_AUTO_TEST_CASE(a_tip_in_a_pit_hides_nothing) {
+    Scene scene = union_scene();
+    scene.add(spindle(40, 1, 0, -2, -0.5));
+    scene.add(spindle(40, 0.3, 1, -0.5, 2));
+    std::vector<Vec3> points;
+    for (int i = 1; i <= 20; ++i) points.push_back({0.0, 0.0, -0.5 - 0.005 * i});
+    const PointValues found = query(scene, points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        BOOST_TEST(std::abs(found.distance[i] - (points[i][2] + 0.5)) < 1e-14);
 }
 
 BOOST_AUTO_TEST_CASE(what_a_union_does_not_have_is_named) {
