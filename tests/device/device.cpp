@@ -102,8 +102,8 @@ BOOST_AUTO_TEST_CASE(a_limited_device_has_what_is_left_to_it_and_a_context_of_it
                        [&] { whole.limited({.compute_units = all + 1}); });
 }
 
-// PoCL ended a part with commands that were about to begin on it, once in fifty times.
-BOOST_AUTO_TEST_CASE(a_part_of_a_device_ends_after_its_commands) {
+// PoCL's threads use a part after its last command, which ended one process in fifty.
+BOOST_AUTO_TEST_CASE(parts_of_a_device_come_and_go) {
     const Device whole = Device::automatic();
     const auto divisions = cl::Device(whole.id(), true).getInfo<CL_DEVICE_PARTITION_PROPERTIES>();
     if (std::ranges::count(divisions, CL_DEVICE_PARTITION_BY_COUNTS) == 0) return;

@@ -183,12 +183,6 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     });
 }
 
-Context::~Context() {
-    cl_device_id whole = nullptr;
-    if (!lost_ && device_.getInfo(CL_DEVICE_PARENT_DEVICE, &whole) == CL_SUCCESS && whole != nullptr)
-        clFinish(queue_());
-}
-
 namespace {
 
 /// Of a call that waits. Some drivers, as NVIDIA's, let it fail if a kernel has; then `fail` throws what is known.

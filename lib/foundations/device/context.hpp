@@ -54,11 +54,6 @@ struct BuildWatch {
 class Context {
 public:
     Context(cl::Context context, cl::Device device, cl::CommandQueue queue);
-    /// Waits for the commands of a part of a device: PoCL ends such a device with its last reference, also while a
-    /// command that nobody waited for, as one that unmaps memory, is about to begin on it.
-    ~Context();
-    Context(const Context&) = delete;
-    Context& operator=(const Context&) = delete;
 
     const cl::Context& context() const { return context_; }
     const cl::Device& device() const { return device_; }

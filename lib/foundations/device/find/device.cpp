@@ -88,6 +88,9 @@ cl::Device part_of(const cl::Device& whole, unsigned compute_units) {
                                 "them by the driver's own means (PoCL: POCL_CPU_MAX_CU_COUNT in the environment)",
                                 whole.getInfo<CL_DEVICE_NAME>(), device::code_name(error.err()), all));
     }
+    // Never given back. PoCL ends a part with its last reference, also while one of its own threads still has a command
+    // of the part, or has just ended one.
+    clRetainDevice(parts.at(0)());
     return parts.at(0);
 }
 
