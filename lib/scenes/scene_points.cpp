@@ -281,10 +281,6 @@ double distance_of_unusable(bool is_finite, double half_width) {
     return is_finite && std::isfinite(half_width) ? half_width : std::numeric_limits<double>::quiet_NaN();
 }
 
-}  // namespace
-
-namespace {
-
 /// A point whose distance to the union is not that to the nearest body.
 struct HiddenPoint {
     std::uint32_t number;

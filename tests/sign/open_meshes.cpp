@@ -98,6 +98,18 @@ BOOST_AUTO_TEST_CASE(vertices_beside_rows_of_samples_take_nothing_away) {
         }
 }
 
+// Samples of a block with so many loops near it are looked at one by one.
+BOOST_AUTO_TEST_CASE(samples_among_hundreds_of_loops_have_the_sign_of_the_solid_angles) {
+    constexpr std::uint64_t seed = 7;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    const Mesh mesh = triangle_soup(900, false, random);
+    const Signs signs = signs_of(mesh, compute(mesh, lattice_of(15), Band::full(), by_solid_angle));
+    BOOST_TEST(signs.wrong == 0U);
+    BOOST_TEST(signs.inside > 100U);
+    BOOST_TEST(signs.certain > signs.inside + 100);
+}
+
 BOOST_AUTO_TEST_CASE(spacings_may_be_unequal_and_lattices_far_away) {
     for (const Mesh& mesh : {cracked_box(), round_mesh(6, 5, {6, 6, 6}, true, "half sphere")}) {
         const Field unequal = compute(mesh, lattice_of(20, {0.75, 0.5, 1.25}), Band::full(), by_solid_angle);

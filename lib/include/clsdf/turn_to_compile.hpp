@@ -16,8 +16,8 @@ namespace clsdf {
 /// process that may compile, and end it after that call. Ranks of MPI that start together need none if one of them runs
 /// Device::keep_records() and such a call before the others.
 ///
-/// The turn is a lock (flock) on the file "compiling.lock" in the folder, which ends with the process. Where locks are
-/// not known to work, on file systems that several machines may share, nobody waits.
+/// The turn is a lock (flock) on the file "compiling.lock" in the folder, which ends with the process. Nobody
+/// waits on file systems that several machines may share, on which locks are not known to work.
 class CLSDF_EXPORT TurnToCompile {
 public:
     /// Waits until no other holder has the turn of the folder, which is made if it does not exist. `goes_on` is asked
