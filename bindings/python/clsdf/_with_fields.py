@@ -146,7 +146,7 @@ class WithFields:
             mesh, made by grid() from the options from `resolution` to `cell_centred`.
         band: the half width on both sides, or (inside, outside): '10%' of the longest side of the mesh's box, '3v'
             voxels, a number in the mesh's units, 'full', or a Band. 0: the signs alone. None: that of `out` if it is a
-            Field, else 'full', of a Scene '10%'. A narrow band takes a third of the time, and less.
+            Field, else 'full', of a Scene '10%'. A band takes less time, of 10% half as long.
         outputs: 'distance gradient triangle' or a list: of 'distance' (always there), 'triangle', 'site', 'closest',
             'gradient', 'barycentric', 'offset', of a Scene 'body'. None: the distance, or what `out` has.
         out: arrays to write to: a Field, a dictionary by names of outputs, or the array of the distance, of the shape
