@@ -80,9 +80,12 @@ void LeastField::add_row(std::size_t to, std::size_t from, std::size_t count, co
     const auto* const found = reinterpret_cast<const Distance*>(values[Output::distance].data) + from;
     std::uint32_t* const bodies = bodies_in(arrays_);
     if (bodies == nullptr) {
-        // A zero with a sign is that beyond a band without depth.
-        for (std::size_t i = 0; i < count; ++i)
-            if (found[i] < least[i] || (found[i] == least[i] && std::signbit(found[i]))) least[i] = found[i];
+        // A zero with a sign is that beyond a band without depth. Without branches: compilers make vectors of it.
+        for (std::size_t i = 0; i < count; ++i) {
+            const bool is_less = found[i] < least[i],
+                       is_zero_with_sign = (found[i] == least[i]) & (std::signbit(found[i]) != 0);
+            least[i] = is_less | is_zero_with_sign ? found[i] : least[i];
+        }
         return;
     }
     const std::uint32_t* const found_body = bodies_in(values) + from;
