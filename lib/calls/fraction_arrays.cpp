@@ -257,9 +257,8 @@ public:
         for_each_index(found.cells.size(), [&](std::size_t row) { write(row, found.cells[row]); });
         const auto [nx, ny, nz] = found.counts();
         if (full_.is_given())
-            for_each_index(nx * ny * nz, [&](std::size_t cell) {
-                full_.set(cell, 0, static_cast<std::uint8_t>(found.full[cell / 8] >> cell % 8 & 1U));
-            });
+            for_each_index(nx * ny * nz,
+                           [&](std::size_t cell) { full_.set(cell, 0, std::uint8_t{found.is_full(cell)}); });
     }
 
 private:

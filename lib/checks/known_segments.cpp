@@ -131,7 +131,7 @@ std::optional<std::string> difference_of_links(const Device& device, const engin
     for (std::size_t n = 0; n < floats.size(); ++n)
         if (floats[n] != as_float_part(expected.q[n])) return "places of walls are wrong floats";
     for (std::size_t n = 0; n < inside.size(); ++n)
-        if (inside[n] != (expected.inside.bits[n / 8] >> n % 8 & 1U)) return "samples are on the wrong side";
+        if ((inside[n] != 0) != expected.inside.is_inside(n)) return "samples are on the wrong side";
     return std::nullopt;
 }
 

@@ -31,16 +31,11 @@ Parts to_light(const Colour& colour) {
     return {to_light(colour[0]), to_light(colour[1]), to_light(colour[2])};
 }
 
-Vec3 unit(const Vec3& v) {
-    const double size = length(v);
-    return {v[0] / size, v[1] / size, v[2] / size};
-}
-
 Vec3 in(const ViewFrame& frame, double right, double up, double back) {
     Vec3 direction{};
     for (std::size_t axis = 0; axis < 3; ++axis)
         direction[axis] = right * frame.right[axis] + up * frame.up[axis] + back * frame.back[axis];
-    return unit(direction);
+    return normalized(direction);
 }
 
 Vec3 vector_of(const float (&v)[3]) {
@@ -67,7 +62,7 @@ SurfaceShading::SurfaceShading(const ViewFrame& frame, const Manner& manner, con
       voxel_(voxel),
       key_(in(frame, -0.55, 0.7, 0.75)),
       fill_(in(frame, 0.8, 0.05, 0.6)),
-      half_way_(unit({key_[0] + frame.back[0], key_[1] + frame.back[1], key_[2] + frame.back[2]})) {}
+      half_way_(normalized({key_[0] + frame.back[0], key_[1] + frame.back[1], key_[2] + frame.back[2]})) {}
 
 void SurfaceShading::mark_cut(Axis axis, double position, double spacing) {
     cuts_.push_back({static_cast<int>(axis), position, spacing});
@@ -76,7 +71,7 @@ void SurfaceShading::mark_cut(Axis axis, double position, double spacing) {
 Parts SurfaceShading::lit(const RenderHit& hit) const {
     const Vec3 gradient = vector_of(hit.gradient);
     if (!(dot(gradient, gradient) > 0)) return surface_;
-    const Vec3 normal = unit(gradient);
+    const Vec3 normal = normalized(gradient);
     const auto open = static_cast<double>(hit.ambient);
     const double key = static_cast<double>(hit.light) * std::max(0.0, dot(normal, key_));
     const double fill = open * std::max(0.0, dot(normal, fill_));

@@ -31,10 +31,8 @@ PlannedLinks uploaded(const device::Context& context, const std::shared_ptr<devi
     on_device.count = links.size();
     PlannedLinks planned = plans::planned(context, pool, std::move(on_device));
     const auto upload = [&](const auto& values) { return device::uploaded(context, pool, values, "links of a plan"); };
-    const Index3& size = links.inside.size;
-    std::vector<std::uint8_t> sides(static_cast<std::size_t>(size[0] * size[1] * size[2]));
-    for (std::size_t n = 0; n < sides.size(); ++n)
-        sides[n] = static_cast<std::uint8_t>(links.inside.bits[n / 8] >> n % 8 & 1U);
+    std::vector<std::uint8_t> sides(links.inside.sample_count());
+    for (std::size_t n = 0; n < sides.size(); ++n) sides[n] = links.inside.is_inside(n) ? 1 : 0;
     planned.inside = upload(sides);
     if (links.size() == 0 || links.size() > room) return planned;
     std::vector<float> floats(links.size());

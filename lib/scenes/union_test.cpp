@@ -21,22 +21,18 @@ Vec3 moved(const Vec3& p, double by, const Vec3& direction) {
     return {p[0] + by * direction[0], p[1] + by * direction[1], p[2] + by * direction[2]};
 }
 
-Vec3 unit(const Vec3& v) {
-    const double size = length(v);
-    return {v[0] / size, v[1] / size, v[2] / size};
-}
-
 }  // namespace
 
 PlacedFace::PlacedFace(const SearchedBody& body, std::uint32_t face) : corners(mesh_of(body).corners(face)) {
-    normal = body.frame->turned(unit(cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]))));
+    normal =
+        body.frame->turned(normalized(cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]))));
     for (Vec3& corner : corners) corner = body.frame->to_scene(corner);
 }
 
 double extent(const PlacedFace& face, const Vec3& p, const Vec3& direction) {
     double most = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3 inward = unit(cross(face.normal, difference(face.corners[(i + 1) % 3], face.corners[i])));
+        const Vec3 inward = normalized(cross(face.normal, difference(face.corners[(i + 1) % 3], face.corners[i])));
         const double outwards = -dot(direction, inward);
         if (outwards > 0) most = std::min(most, std::max(dot(difference(p, face.corners[i]), inward), 0.0) / outwards);
     }
@@ -67,7 +63,7 @@ bool UnionTest::is_on_union(const Vec3& p, std::uint32_t body, const PlacedFace&
     if (is_hidden || !is_touched) return !is_hidden;
     if (is_free(p, body, face)) return true;
     const auto& [corners, normal] = face;
-    const Vec3 first = unit(difference(corners[1], corners[0])), second = cross(normal, first);
+    const Vec3 first = normalized(difference(corners[1], corners[0])), second = cross(normal, first);
     constexpr int directions = 8;
     for (int i = 0; i < directions; ++i) {
         const double angle = (i + 0.25) * 2 * std::numbers::pi / directions;
@@ -78,7 +74,7 @@ bool UnionTest::is_on_union(const Vec3& p, std::uint32_t body, const PlacedFace&
     const Vec3 centre{(corners[0][0] + corners[1][0] + corners[2][0]) / 3,
                       (corners[0][1] + corners[1][1] + corners[2][1]) / 3,
                       (corners[0][2] + corners[1][2] + corners[2][2]) / 3};
-    return is_free_towards(p, unit(difference(centre, p)), body, face);
+    return is_free_towards(p, normalized(difference(centre, p)), body, face);
 }
 
 bool UnionTest::is_on_union_beside(const Vec3& p, const Vec3& along, std::uint32_t body, const PlacedFace& face) const {

@@ -79,10 +79,8 @@ void LinkArrays::store_rows(const Links& links) const {
 }
 
 void LinkArrays::store_inside(const SampleSides& inside) const {
-    const Index3& size = inside.size;
     for_each_index(
-        static_cast<std::size_t>(size[0] * size[1] * size[2]),
-        [&](std::size_t n) { inside_.set(n, 0, static_cast<std::uint8_t>(inside.bits[n / 8] >> n % 8 & 1U)); },
+        inside.sample_count(), [&](std::size_t n) { inside_.set(n, 0, std::uint8_t{inside.is_inside(n)}); },
         16 * rows_together);
 }
 

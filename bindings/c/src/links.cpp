@@ -40,8 +40,7 @@ LinkTargets targets_of(const clsdf_link_arrays& arrays) {
 }
 
 void set_bytes(const SampleSides& sides, std::uint8_t* bytes) {
-    const auto count = static_cast<std::size_t>(sides.size[0] * sides.size[1] * sides.size[2]);
-    for (std::size_t n = 0; n < count; ++n) bytes[n] = sides.bits[n / 8] >> n % 8 & 1U;
+    for (std::size_t n = 0; n < sides.sample_count(); ++n) bytes[n] = sides.is_inside(n) ? 1 : 0;
 }
 
 /// Hands slabs on with triangles and directions that count from the mesh's index base.

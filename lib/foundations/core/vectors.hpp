@@ -22,4 +22,9 @@ inline double length(const Vec3& a) {
     return std::sqrt(dot(a, a));
 }
 
+inline Vec3 normalized(const Vec3& a) {
+    const double size = length(a);
+    return {a[0] / size, a[1] / size, a[2] / size};
+}
+
 }  // namespace clsdf

@@ -89,9 +89,10 @@ struct Fractions {
     }
     bool is_full(std::size_t i, std::size_t j, std::size_t k) const {
         const auto [x, y, z] = counts();
-        const std::size_t cell = (k * y + j) * x + i;
-        return (full[cell / 8] >> cell % 8 & 1U) != 0;
+        return is_full((k * y + j) * x + i);
     }
+    /// cell: its number in the order of the bits.
+    bool is_full(std::size_t cell) const { return (full[cell / 8] >> cell % 8 & 1U) != 0; }
 };
 
 /// Called with the cells of each grid, or of each slab of one, in their order. Its exceptions are passed on;

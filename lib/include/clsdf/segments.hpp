@@ -62,9 +62,11 @@ struct SampleSides {
 
     /// offset: from the grid's first sample.
     bool is_inside(const Index3& offset) const {
-        const auto n = static_cast<std::size_t>((offset[2] * size[1] + offset[1]) * size[0] + offset[0]);
-        return (bits[n / 8] >> n % 8 & 1) != 0;
+        return is_inside(static_cast<std::size_t>((offset[2] * size[1] + offset[1]) * size[0] + offset[0]));
     }
+    /// sample: its number in the order of the bits.
+    bool is_inside(std::size_t sample) const { return (bits[sample / 8] >> sample % 8 & 1) != 0; }
+    std::size_t sample_count() const { return static_cast<std::size_t>(size[0] * size[1] * size[2]); }
 };
 
 /// The links of a grid that meet the surface, a row each, by sample (z, then y, then x), then by direction. A link

@@ -76,8 +76,7 @@ void write_rows(const Fractions& found, const std::string& path) {
     add("face_centroids", {6, 2}, [](const Cell& cell) { return cell.face_centroids; });
     const auto [nx, ny, nz] = found.counts();
     std::vector<std::uint8_t> full(nx * ny * nz);
-    for (std::size_t n = 0; n < full.size(); ++n)
-        full[n] = static_cast<std::uint8_t>(unsigned{found.full[n / 8]} >> n % 8 & 1U);
+    for (std::size_t n = 0; n < full.size(); ++n) full[n] = found.is_full(n) ? 1 : 0;
     arrays.add("full", ElementType::uint8,
                {static_cast<std::int64_t>(nz), static_cast<std::int64_t>(ny), static_cast<std::int64_t>(nx)}, full);
     arrays.add("origin", ElementType::float64, {3}, found.grid.origin);
@@ -127,7 +126,6 @@ void write_vti(const Fractions& found, const std::string& path) {
                         fmt::format("{}: VTK counts the cells of an axis in 32 bits, and {} are too many; choose .npz "
                                     "or .h5",
                                     path, count));
-    const auto is_full = [&](std::size_t cell) { return unsigned{found.full[cell / 8]} >> cell % 8 & 1U; };
     const auto middle = [&](std::size_t cell, std::size_t n) {
         if (!found.options.centroids_as_points) return 0.0;
         const std::array<std::size_t, 3> at{cell % counts[0], cell / counts[0] % counts[1],
@@ -139,11 +137,11 @@ void write_vti(const Fractions& found, const std::string& path) {
     using Cell = CellFraction;
     const std::array arrays{
         cell_array<double>(
-            found, "volume", "Float64", 1, [&](std::size_t cell, std::size_t) { return is_full(cell); },
+            found, "volume", "Float64", 1, [&](std::size_t cell, std::size_t) { return found.is_full(cell); },
             [](const Cell& cell, std::size_t) { return cell.volume; }),
         cell_array<std::uint8_t>(
             found, "type", "UInt8", 1,
-            [&](std::size_t cell, std::size_t) { return static_cast<std::uint8_t>(is_full(cell)); },
+            [&](std::size_t cell, std::size_t) { return static_cast<std::uint8_t>(found.is_full(cell)); },
             [](const Cell&, std::size_t) { return static_cast<std::uint8_t>(CellType::cut); }),
         cell_array<std::uint32_t>(
             found, "pieces", "UInt32", 1, [](std::size_t, std::size_t) { return 0U; },

@@ -165,10 +165,8 @@ public:
     /// A byte for each sample.
     void add(const SampleSides& sides) {
         std::vector<std::uint8_t>& bytes = own_.emplace_back();
-        const auto count = static_cast<std::size_t>(sides.size[0] * sides.size[1] * sides.size[2]);
-        bytes.resize(count);
-        for (std::size_t n = 0; n < count; ++n)
-            bytes[n] = static_cast<std::uint8_t>(unsigned{sides.bits[n / 8]} >> n % 8 & 1U);
+        bytes.resize(sides.sample_count());
+        for (std::size_t n = 0; n < bytes.size(); ++n) bytes[n] = sides.is_inside(n) ? 1 : 0;
         add("inside", ElementType::uint8, {sides.size[2], sides.size[1], sides.size[0]}, bytes);
     }
     /// The grid must live as long as this.
