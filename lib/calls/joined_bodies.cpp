@@ -27,16 +27,14 @@ constexpr std::size_t most_faces_joined = std::size_t{1} << 20;
 /// Of the arrays of a block, in which bodies that are joined write their parts alone.
 constexpr std::size_t most_block_bytes = std::size_t{1} << 27;
 
-double longest_edge(const Mesh& mesh) {
-    double squared = 0;
-    for (const Triangle& triangle : mesh.triangles())
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3 &a = mesh.vertices()[triangle[k]], &b = mesh.vertices()[triangle[(k + 1) % 3]];
-            double sum = 0;
-            for (std::size_t axis = 0; axis < 3; ++axis) sum += (a[axis] - b[axis]) * (a[axis] - b[axis]);
-            squared = std::max(squared, sum);
-        }
-    return std::sqrt(squared);
+/// The samples of a part, counted on the lattice; their limits belong to them.
+Box samples_of(const Grid& part) {
+    Box box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = static_cast<double>(part.first[axis]);
+        box.upper[axis] = static_cast<double>(part.first[axis] + part.size[axis] - 1);
+    }
+    return box;
 }
 
 /// Parts of the grid, layer after layer, which end at coarse bricks.
@@ -87,8 +85,8 @@ std::vector<Scene::State::FieldStep> Scene::State::steps_of(const std::vector<Fi
     const Grid& grid = request.grid;
     const Band& band = request.band;
     const OutputSet outputs = targets::outputs_of(request.targets);
-    std::vector<FieldStep> steps;
-    const auto add_alone = [&](const FieldPart& part) { steps.push_back({.block = part.grid, .parts = {part}}); };
+    std::vector<FieldStep> steps, alone;
+    const auto add_alone = [&](const FieldPart& part) { alone.push_back({.block = part.grid, .parts = {part}}); };
     std::map<KindOfBody, std::vector<FieldPart>> kinds;
     for (const FieldPart& part : parts) {
         std::optional<KindOfBody> kind;
@@ -104,37 +102,31 @@ std::vector<Scene::State::FieldStep> Scene::State::steps_of(const std::vector<Fi
             std::ranges::for_each(all, add_alone);
             continue;
         }
-        const double reach = engine::reach_of_faces(grid, band, kind.sign);
         for (std::span<const FieldPart> rest = all; !rest.empty();) {
             auto members = std::make_shared<FieldStep::Members>();
             members->is_inside_out = kind.is_inside_out;
-            std::vector<Box> bricks;
-            for (std::size_t faces = 0; bricks.size() < rest.size() && faces < most_faces_joined;) {
-                const auto& [number, part] = rest[bricks.size()];
-                Shape& shape = *bodies[number].shape;
-                auto& state = TransformAccess::state(shape.transform);
-                const std::scoped_lock lock(state.mutex);
-                faces += state.kept_mesh->face_count();
-                if (!shape.longest_edge) shape.longest_edge = clsdf::longest_edge(state.kept_mesh->mesh());
-                // Rounding of the moved positions makes no edge longer by as much.
-                bricks.push_back(scenes::coarse_bricks_near(grid, bodies[number].frame.to_scene(shape.box),
-                                                            reach + (1 + 1e-3) * *shape.longest_edge));
-                members->bodies.push_back(number);
+            std::vector<Box> near;
+            for (std::size_t faces = 0; near.size() < rest.size() && faces < most_faces_joined;) {
+                const FieldPart& part = rest[near.size()];
+                faces += TransformAccess::state(bodies[part.body].shape->transform).kept_mesh->face_count();
+                near.push_back(samples_of(part.near));
+                members->bodies.push_back(part.body);
             }
-            const auto groups = scenes::separate_groups(bricks);
+            const auto groups = scenes::separate_groups(near);
             for (const Grid& block : blocks)
                 for (const std::vector<std::uint32_t>& group : groups) {
                     FieldStep step{.block = block, .members = members};
                     for (const std::uint32_t place : group)
                         if (const auto part = common_part(rest[place].grid, block)) {
-                            step.parts.push_back({rest[place].body, *part});
+                            step.parts.push_back({rest[place].body, *part, *part});
                             step.selected.push_back(place);
                         }
                     if (!step.parts.empty()) steps.push_back(std::move(step));
                 }
-            rest = rest.subspan(bricks.size());
+            rest = rest.subspan(near.size());
         }
     }
+    steps.insert(steps.end(), alone.begin(), alone.end());
     return steps;
 }
 

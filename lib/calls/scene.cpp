@@ -228,7 +228,6 @@ void Scene::set_positions(std::uint32_t body, const InputArray& positions, const
     shape.transform.set_positions(positions, call);
     shape.box = shape.transform.box();
     shape.moved_to.reset();
-    shape.longest_edge.reset();
     if (state.joined) state.joined->frames.clear();
     state.forget_poses();
 }

@@ -96,21 +96,32 @@ std::vector<Vec3> moved_by(const scenes::Frame& frame, const Mesh& mesh) {
 
 }  // namespace
 
+const Mesh* Scene::State::mesh_if_moved(const Body& body) const {
+    if (!is_moved(body.frame)) return nullptr;
+    auto& state = detail::TransformAccess::state(body.shape->transform);
+    const std::scoped_lock lock(state.mutex);
+    return &state.kept_mesh->mesh();
+}
+
+namespace {
+
+Box box_of(const Mesh& mesh, const scenes::Frame& frame) {
+    Box result = empty_box;
+    const std::vector<Vec3> positions = moved_by(frame, mesh);
+    for (const Triangle& triangle : mesh.triangles())
+        for (const std::uint32_t vertex : triangle) clsdf::add(result, {positions[vertex], positions[vertex]});
+    return result;
+}
+
+}  // namespace
+
 Box Scene::State::box() {
     require_bodies();
     Box result = empty_box;
     for (const Body& body : bodies) {
         if (!body.is_active) continue;
-        if (!is_moved(body.frame)) {
-            clsdf::add(result, body.shape->box);
-            continue;
-        }
-        auto& state = detail::TransformAccess::state(body.shape->transform);
-        const std::scoped_lock lock(state.mutex);
-        const Mesh& mesh = state.kept_mesh->mesh();
-        const std::vector<Vec3> positions = moved_by(body.frame, mesh);
-        for (const Triangle& triangle : mesh.triangles())
-            for (const std::uint32_t vertex : triangle) clsdf::add(result, {positions[vertex], positions[vertex]});
+        const Mesh* const moved = mesh_if_moved(body);
+        clsdf::add(result, moved == nullptr ? body.shape->box : box_of(*moved, body.frame));
     }
     return result;
 }
@@ -190,24 +201,49 @@ CallStatistics Scene::State::compute(const Request& request, const CallOptions& 
     return running.finish();
 }
 
+std::vector<Scene::State::FieldPart> Scene::State::parts_of(const Grid& grid, const Band& band) const {
+    /// A body with more faces is not moved for its box alone.
+    constexpr std::size_t most_faces_for_box = 4096;
+    struct Reached {
+        std::uint32_t body;
+        const Mesh* moved;  ///< null: the box follows from that of the mesh
+        double gap;
+    };
+    std::vector<Reached> reached;
+    for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+        const auto& state = detail::TransformAccess::state(bodies[i].shape->transform);
+        if (!bodies[i].is_active || (band.has_signs_only && state.sign == SignRule::none)) continue;
+        const bool is_small = state.kept_mesh->face_count() <= most_faces_for_box;
+        // Points outside the box of an open mesh may be inside.
+        const bool has_film = state.sign == SignRule::solid_angle && !state.topology.balanced;
+        reached.push_back({i, is_small ? mesh_if_moved(bodies[i]) : nullptr,
+                           has_film ? infinite_length : state.kept_mesh->sign_surface_gap()});
+    }
+    std::vector<std::optional<FieldPart>> found(reached.size());
+    constexpr std::size_t grain = 16;
+    for_each_index(
+        reached.size(),
+        [&](std::size_t i) {
+            const auto& [number, moved, gap] = reached[i];
+            const Body& body = bodies[number];
+            const Box box = moved != nullptr ? box_of(*moved, body.frame) : body.frame.to_scene(body.shape->box);
+            const auto part = scenes::part_near(grid, box, band.outside + gap),
+                       near = scenes::part_near(grid, box, std::max(band.outside, band.inside) + gap);
+            if (part && near) found[i] = FieldPart{number, *part, *near};
+        },
+        grain);
+    std::vector<FieldPart> parts;
+    for (const std::optional<FieldPart>& part : found)
+        if (part) parts.push_back(*part);
+    return parts;
+}
+
 void Scene::State::compute_least(const Request& request, const targets::HostArrays& wanted,
                                  const targets::HostArrays& arrays, const CallOptions& call,
                                  calls::RunningCall& running) {
     const Grid& grid = request.grid;
     const Band& band = request.band;
-    std::vector<FieldPart> parts;
-    for (std::uint32_t i = 0; i < bodies.size(); ++i) {
-        const Body& body = bodies[i];
-        const auto& state = detail::TransformAccess::state(body.shape->transform);
-        if (!body.is_active || (band.has_signs_only && state.sign == SignRule::none)) continue;
-        // Points outside the box of an open mesh may be inside.
-        const bool has_film = state.sign == SignRule::solid_angle && !state.topology.balanced;
-        const double margin =
-            has_film ? std::numeric_limits<double>::infinity() : band.outside + state.kept_mesh->sign_surface_gap();
-        if (const auto part = scenes::part_near(grid, body.frame.to_scene(body.shape->box), margin))
-            parts.push_back({i, *part});
-    }
-    std::vector<FieldStep> steps = steps_of(parts, request);
+    std::vector<FieldStep> steps = steps_of(parts_of(grid, band), request);
     // A body that has most of the grid is computed in place, in all of it.
     const auto largest = std::ranges::max_element(steps, {}, [](const FieldStep& step) {
         return step.parts.size() == 1 ? step.parts.front().grid.sample_count() : 0;
@@ -224,13 +260,18 @@ void Scene::State::compute_least(const Request& request, const targets::HostArra
     if (!has_whole) least.clear(band.outside);
 
     double all = 0, done = 0;
+    std::int64_t first_unwritten = grid.first[2];  // no step has written to slices from here on
     std::shared_ptr<const FieldStep::Members> counted;
     for (const FieldStep& step : steps) all += static_cast<double>(step.sample_count());
     for (const FieldStep& step : steps) {
         running.throw_if_stopped();
-        const bool is_in_place = has_whole && done == 0;
+        // The first bodies of each block, too: elsewhere in it they leave the samples beyond the band.
+        const bool is_in_place =
+            has_whole ? done == 0 : step.members != nullptr && step.block.first[2] >= first_unwritten;
         const std::size_t count = step.block.sample_count();
-        const targets::HostArrays values = is_in_place ? arrays : of_block.for_samples(wanted, count);
+        const targets::HostArrays values =
+            is_in_place ? targets::arrays_from(grid.offset(0, 0, step.block.first[2] - grid.first[2]), arrays)
+                        : of_block.for_samples(wanted, count);
         const DistanceTransform& transform = step.members ? joined_at(step) : placed(bodies[step.parts.front().body]);
         const Request asked{step.block, band_of_body(band, transform.sign()), targets_of(values, count)};
         std::vector<Grid> parts_of_step;
@@ -244,12 +285,18 @@ void Scene::State::compute_least(const Request& request, const targets::HostArra
         if (step.members && step.members == counted) made.triangles = made.polyhedra = 0;
         counted = step.members;
         add_statistics(running.statistics, made);
-        if (is_in_place)
-            least.begin_with(step.parts.front().body);
-        else  // parts of a step have no sample in common
-            for_each_index(
-                step.parts.size(),
-                [&](std::size_t i) { least.add(step.parts[i].grid, step.block, values, step.parts[i].body); }, 1);
+        // Parts of a step have no sample in common.
+        for_each_index(
+            step.parts.size(),
+            [&](std::size_t i) {
+                const FieldPart& part = step.parts[i];
+                if (is_in_place)
+                    least.begin_with(part.grid, part.body);
+                else
+                    least.add(part.grid, step.block, values, part.body);
+            },
+            1);
+        first_unwritten = std::max(first_unwritten, step.block.first[2] + step.block.size[2]);
         done = next;
     }
     running.statistics.host_bytes += of_block.bytes();

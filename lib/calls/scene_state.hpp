@@ -47,8 +47,6 @@ struct __attribute__((visibility("hidden"))) Scene::State {
         /// was. Both are guarded by field_mutex.
         std::optional<DistanceTransform> moved{};
         std::optional<scenes::Frame> moved_to{};
-
-        std::optional<double> longest_edge{};  ///< guarded by field_mutex
     };
 
     struct Body {
@@ -83,6 +81,7 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     struct FieldPart {
         std::uint32_t body;
         Grid grid;
+        Grid near;  ///< the samples that are no farther from it than the half width on either side
     };
     /// What the launches of one call compute, in an array of the block: the part of a body, which is the block, by its
     /// transform, or those of several bodies that are joined.
@@ -154,7 +153,11 @@ struct __attribute__((visibility("hidden"))) Scene::State {
 
     // scene_fields.cpp
     SignRule field_sign() const;
+    /// The body's mesh in its own coordinates, if it is not where that is.
+    const Mesh* mesh_if_moved(const Body& body) const;
     Box box();
+    /// The parts of a field for the bodies that count in it.
+    std::vector<FieldPart> parts_of(const Grid& grid, const Band& band) const;
     CallStatistics compute(const Request& request, const CallOptions& call);
     // Both need field_mutex. arrays: packed, of the grid; with the body if there are other outputs than the distance.
     void compute_least(const Request& request, const targets::HostArrays& wanted, const targets::HostArrays& arrays,
@@ -169,8 +172,8 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     // joined_bodies.cpp. All need field_mutex.
     std::optional<KindOfBody> kind_if_joined(const Shape& shape, bool has_normals);
     bool are_joined(std::span<const FieldPart> parts, const KindOfBody& kind, const Grid& grid, const Band& band) const;
-    /// Small bodies are joined. In a step no coarse brick has faces of two bodies: so each body has the bytes that it
-    /// has alone.
+    /// Small bodies are joined, those that have no sample of a field in common: so each has the bytes that it has
+    /// alone. Their steps come first.
     std::vector<FieldStep> steps_of(const std::vector<FieldPart>& parts, const Request& request);
     /// The transform of the step's members, with its bodies selected, until that of another step is asked for.
     const DistanceTransform& joined_at(const FieldStep& step);

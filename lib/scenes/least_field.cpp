@@ -13,9 +13,29 @@ namespace {
 
 /// Rows of samples that are worth a task.
 constexpr std::size_t rows_at_once = 64;
+/// Of a place in a grid, in samples, and of what kernels take for the half width: more than either.
+constexpr double rounding = 0.125;
 
 std::uint32_t* bodies_in(const targets::HostArrays& arrays) {
     return reinterpret_cast<std::uint32_t*>(arrays[Output::body].data);
+}
+
+/// Calls visit() for the first sample of each row of a part, as the lattice counts.
+template <typename Visit>
+void for_each_row(const Grid& part, const Visit& visit) {
+    const auto height = static_cast<std::size_t>(part.size[1]);
+    for_each_index(
+        height * static_cast<std::size_t>(part.size[2]),
+        [&](std::size_t row) {
+            visit({part.first[0], part.first[1] + static_cast<std::int64_t>(row % height),
+                   part.first[2] + static_cast<std::int64_t>(row / height)});
+        },
+        rows_at_once);
+}
+
+/// Of a sample as the lattice counts, in the arrays of a grid.
+std::size_t place_in(const Grid& grid, const Index3& sample) {
+    return grid.offset(sample[0] - grid.first[0], sample[1] - grid.first[1], sample[2] - grid.first[2]);
 }
 
 /// Where two bodies have the same distance: see LeastField::add().
@@ -31,8 +51,8 @@ std::optional<Grid> part_near(const Grid& grid, const Box& box, double margin) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto begin = static_cast<double>(grid.first[axis]), end = begin + static_cast<double>(grid.size[axis]);
         const auto place = [&](double x) { return (x - grid.origin[axis]) / grid.spacing[axis]; };
-        const double lowest = std::max(begin, std::floor(place(box.lower[axis] - margin)) - 1),
-                     highest = std::min(end, std::ceil(place(box.upper[axis] + margin)) + 2);
+        const double lowest = std::max(begin, std::ceil(place(box.lower[axis] - margin) - rounding)),
+                     highest = std::min(end, std::floor(place(box.upper[axis] + margin) + rounding) + 1);
         if (!(lowest < highest)) return std::nullopt;
         first[axis] = static_cast<std::int64_t>(lowest);
         size[axis] = static_cast<std::int64_t>(highest - lowest);
@@ -62,15 +82,14 @@ void LeastField::clear(double outside) {
         arrays_);
 }
 
-void LeastField::begin_with(std::uint32_t body) {
+void LeastField::begin_with(const Grid& part, std::uint32_t body) {
     std::uint32_t* const bodies = bodies_in(arrays_);
     if (bodies == nullptr || body == 0) return;
-    for_each_index(
-        grid_.sample_count(),
-        [&](std::size_t i) {
-            if (bodies[i] != no_body) bodies[i] = body;
-        },
-        std::size_t{1} << 16);
+    for_each_row(part, [&](const Index3& first) {
+        std::uint32_t* const row = bodies + place_in(grid_, first);
+        std::replace_if(
+            row, row + part.size[0], [](std::uint32_t found) { return found != no_body; }, body);
+    });
 }
 
 template <typename Distance>
@@ -109,21 +128,13 @@ void LeastField::add_row(std::size_t to, std::size_t from, std::size_t count, co
 }
 
 void LeastField::add(const Grid& part, const Grid& block, const targets::HostArrays& values, std::uint32_t body) {
-    const auto width = static_cast<std::size_t>(part.size[0]), height = static_cast<std::size_t>(part.size[1]);
-    for_each_index(
-        height * static_cast<std::size_t>(part.size[2]),
-        [&](std::size_t row) {
-            const std::int64_t y = part.first[1] + static_cast<std::int64_t>(row % height),
-                               z = part.first[2] + static_cast<std::int64_t>(row / height);
-            const auto place_in = [&](const Grid& grid) {
-                return grid.offset(part.first[0] - grid.first[0], y - grid.first[1], z - grid.first[2]);
-            };
-            if (arrays_[Output::distance].in_double)
-                add_row<double>(place_in(grid_), place_in(block), width, values, body);
-            else
-                add_row<float>(place_in(grid_), place_in(block), width, values, body);
-        },
-        rows_at_once);
+    const auto width = static_cast<std::size_t>(part.size[0]);
+    for_each_row(part, [&](const Index3& first) {
+        if (arrays_[Output::distance].in_double)
+            add_row<double>(place_in(grid_, first), place_in(block, first), width, values, body);
+        else
+            add_row<float>(place_in(grid_, first), place_in(block, first), width, values, body);
+    });
 }
 
 }  // namespace clsdf::scenes

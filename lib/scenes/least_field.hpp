@@ -13,8 +13,8 @@ namespace clsdf::scenes {
 
 inline constexpr std::uint32_t no_body = 0xFFFFFFFFU;
 
-/// The samples of a grid that lie in a box, or at most `margin` beside it, and one more on each side; nothing if there
-/// are none. A margin may be infinite.
+/// The samples of a grid that lie in a box, or at most `margin` beside it, or farther by rounding; nothing if there are
+/// none. A margin may be infinite.
 std::optional<Grid> part_near(const Grid& grid, const Box& box, double margin);
 
 /// The field of a grid as far as bodies have been added, in any order. A body is added with the samples that it
@@ -26,8 +26,8 @@ public:
 
     /// Every sample is outside all bodies, beyond the band.
     void clear(double outside);
-    /// The arrays already have the field of this one, as its transform made it.
-    void begin_with(std::uint32_t body);
+    /// The arrays already have the field of this one in a part of the grid, as a transform made it.
+    void begin_with(const Grid& part, std::uint32_t body);
     /// values: of a block of the lattice, as the body's transform made them in the part of it that the body reaches,
     /// with the outputs and the elements of the arrays. Of equal distances the body that is within the band counts at
     /// the outer limit, that beyond it at the inner one; then the lowest body.

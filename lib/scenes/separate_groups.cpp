@@ -1,24 +1,10 @@
 #include "scenes/separate_groups.hpp"
 
-#include "layout.h"
 #include "mesh/box_index.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace clsdf::scenes {
-
-Box coarse_bricks_near(const Grid& grid, const Box& box, double reach) {
-    Box bricks;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto brick = [&](double x) {
-            return std::floor((x - grid.origin[axis]) / (CLSDF_COARSE * grid.spacing[axis]));
-        };
-        bricks.lower[axis] = brick(box.lower[axis] - reach);
-        bricks.upper[axis] = brick(box.upper[axis] + reach);
-    }
-    return bricks;
-}
 
 std::vector<std::vector<std::uint32_t>> separate_groups(std::span<const Box> boxes) {
     const BoxIndex index(boxes);

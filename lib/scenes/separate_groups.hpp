@@ -9,11 +9,8 @@
 
 namespace clsdf::scenes {
 
-/// The coarse bricks of the grid's lattice within `reach` of a box, as a box of their numbers.
-Box coarse_bricks_near(const Grid& grid, const Box& box, double reach);
-
-/// Divides boxes into groups, so that no two of a group overlap: each box comes to the first group that it may be in.
-/// The numbers of a group ascend.
+/// Divides boxes into groups, so that no two of a group have a point in common: each box comes to the first group that
+/// it may be in. The numbers of a group ascend.
 std::vector<std::vector<std::uint32_t>> separate_groups(std::span<const Box> boxes);
 
 }  // namespace clsdf::scenes

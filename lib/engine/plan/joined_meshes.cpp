@@ -124,13 +124,6 @@ bool can_be_joined(const Box& box, const Grid& grid, const Band& band, SignRule 
     return has_uniform_bounds(layout_of(grid, band, sign)) && is_plain(box, lattice_of(grid));
 }
 
-double reach_of_faces(const Grid& grid, const Band& band, SignRule sign) {
-    const Layout layout = layout_of(grid, band, sign);
-    const auto half_width = static_cast<double>(layout.half_width), slack = static_cast<double>(layout.coarse_slack);
-    const double spacing = std::ranges::max(grid.spacing);
-    return static_cast<double>(layout.unit) * (half_width + 2 * slack) * (1 + 1e-3) + 3 * spacing;
-}
-
 NearRecords records_of_meshes(const MeshTopology& joined, const FoundFrusta& frusta,
                               std::span<const std::uint32_t> meshes) {
     NearRecords found;

@@ -35,11 +35,6 @@ JoinedMeshes join_meshes(std::span<const MeshToJoin> meshes, std::vector<Vec3> p
 /// and no coordinate needs the host.
 bool can_be_joined(const Box& box, const Grid& grid, const Band& band, SignRule sign);
 
-/// How far from a mesh kernels may list its faces, beside its longest edge: the ball around a face, of which they test
-/// the distance, has at most that edge as radius, and its centre in the face. And more than the mesh's part of a field,
-/// see scenes::part_near().
-double reach_of_faces(const Grid& grid, const Band& band, SignRule sign);
-
 /// The records of some of the meshes, whose numbers ascend, without faces that only fill up groups.
 NearRecords records_of_meshes(const MeshTopology& joined, const FoundFrusta& frusta,
                               std::span<const std::uint32_t> meshes);
