@@ -224,6 +224,14 @@ std::string warning_of_narrow_band(const ComputeLayout& layout) {
         narrow / voxel);
 }
 
+void require_memory(const ComputeOptions& options, double bytes, const std::string& what) {
+    const std::uint64_t memory = physical_memory();
+    if (memory > 0 && bytes > static_cast<double>(memory))
+        throw with_remedy(options, {clsdf::ErrorCode::out_of_memory,
+                                    fmt::format("{} take {} of memory, and this machine has {}", what,
+                                                human_bytes(bytes), human_bytes(static_cast<double>(memory)))});
+}
+
 std::string warning_of_memory(const ComputeLayout& layout) {
     const std::uint64_t memory = physical_memory();
     const std::uint64_t needed = slab_memory(layout).bytes + working_bytes(layout);

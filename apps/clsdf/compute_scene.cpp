@@ -36,6 +36,13 @@ void refuse_options_of_meshes(const ComputeOptions& options, const ComputeReques
         throw Error(ErrorCode::unsupported,
                     fmt::format("{}: '{}' is a scene, whose fields are dense and exact; leave it out", option,
                                 options.mesh.front()));
+    for (const clsdf::Output output : {clsdf::Output::site, clsdf::Output::barycentric})
+        if (request.surface == clsdf::Surface::outer && request.outputs.contains(output))
+            throw Error(
+                ErrorCode::unsupported,
+                fmt::format("--with {}: it is not known of a field of a scene with --surface outer, whose faces "
+                            "are cut; leave it out",
+                            clsdf::info_of(output).name));
     if (!options.output.empty() && clsdf::stores_sparse_fields_only(options.output))
         throw Error(ErrorCode::unsupported,
                     fmt::format("{}: this format stores sparse fields alone, and '{}' is a scene, whose fields are "
@@ -115,6 +122,7 @@ ExitStatus compute_scene(const ComputeOptions& options, Report& report) {
                      {"band", describe(field.band)},
                      {"sign", name_of(field.sign)},
                      {"positive_inside", options.positive_inside}};
+    if (request.surface == clsdf::Surface::outer) report.result["surface"] = "outer";
     if (options.dry_run) return ExitStatus::done;
     const std::size_t band_samples = count_band_samples(field, field.slab());
     const Stopwatch write;

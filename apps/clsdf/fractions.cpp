@@ -3,6 +3,7 @@
 #include "devices.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
+#include "outer_surface.hpp"
 #include "report.hpp"
 
 #include "core/stopwatch.hpp"
@@ -34,32 +35,43 @@ clsdf::FractionOptions options_of(const FractionChoice& choice) {
     return options;
 }
 
+void require_memory_of_cells(const ComputeOptions& options, const clsdf::Grid& grid) {
+    const auto cells = static_cast<double>(grid.size[0] - 1) * static_cast<double>(grid.size[1] - 1) *
+                       static_cast<double>(grid.size[2] - 1);
+    // A bit a cell, and the widest array of the file.
+    const double bytes_of_cell = 0.125 + (options.output.ends_with(".vti") ? 24 : 1);
+    require_memory(
+        options, cells * bytes_of_cell,
+        fmt::format("the fractions of {} x {} x {} cells", grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1));
+}
+
 ExitStatus run(const FractionChoice& choice, Report& report) {
     const ComputeOptions& own = choice.grid;
-    keep_mesh(own.mesh, own.output);
     clsdf::check_fractions_path(own.output);
     if (own.cell_centred)
         throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
                            "--cell-centred: cells lie between neighbouring samples, which are at their corners; leave "
                            "it out");
     const ComputeRequest request(own);
-    const clsdf::Mesh mesh = read_body(own.mesh, own.reading, report);
-    const clsdf::Grid grid = request.grid_around(mesh.box());
     const clsdf::Stopwatch watch;
-    std::optional<clsdf::OuterSurface> surface;
+    std::optional<OuterOfFiles> outer;
+    clsdf::Grid grid;
     const clsdf::Fractions found = [&] {
         const Interruption interruption;
         try {
             ProgressBar progress(!report.quiet);
             const clsdf::CallOptions call = watched_call(progress, report, interruption.token());
-            surface = clsdf::outer(mesh, request.sign, call);
-            return clsdf::fractions(*surface, grid, options_of(choice), call);
+            outer = outer_of_files(own.mesh, own.reading, own.sign, own.output, call, report);
+            grid = request.grid_around(outer->box);
+            require_memory_of_cells(own, grid);
+            return clsdf::fractions(outer->surface, grid, options_of(choice), call);
         } catch (const clsdf::Error& error) {
             if (interruption.token().stop_requested())
                 throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; nothing was written");
             throw with_remedy(own, error);
         }
     }();
+    const clsdf::OuterSurface& surface = outer->surface;
     const double seconds = watch.seconds();
     clsdf::write_fractions(found, own.output);
     output_is_written();
@@ -73,10 +85,9 @@ ExitStatus run(const FractionChoice& choice, Report& report) {
     volume *= grid.spacing[0] * grid.spacing[1] * grid.spacing[2];
     const auto [nx, ny, nz] = found.counts();
     const char* const part = found.options.part == clsdf::CellPart::solid ? "solid" : "fluid";
-    report.print("mesh    {}: {} vertices, {} triangles\n", mesh.name(), mesh.vertices().size(),
-                 mesh.triangles().size());
-    report.print("outer   {} triangles; volume {:.6g}, area {:.6g}\n", surface->mesh.triangles().size(),
-                 surface->volume, surface->area);
+    report.print("mesh    {}: {} vertices, {} triangles\n", outer->name, outer->vertices, outer->triangles);
+    report.print("outer   {} triangles; volume {:.6g}, area {:.6g}\n", surface.mesh.triangles().size(), surface.volume,
+                 surface.area);
     report.print("cells   {} x {} x {}: the surface meets {}, {} are wholly {}\n", nx, ny, nz, found.cells.size(), full,
                  part);
     report.print("volume  of {} {:.6g} in the grid; done in {:.3f} s\n", part, volume, seconds);
@@ -88,9 +99,9 @@ ExitStatus run(const FractionChoice& choice, Report& report) {
                      {"cut_cells", found.cells.size()},
                      {"full_cells", full},
                      {"volume", volume},
-                     {"area", area},
-                     {"outer_volume", surface->volume},
-                     {"outer_area", surface->area},
+                     {"area", found.options.areas_of_faces ? Json() : Json(area)},
+                     {"outer_volume", surface.volume},
+                     {"outer_area", surface.area},
                      {"seconds", seconds},
                      {"output", own.output}};
     return ExitStatus::done;
@@ -103,7 +114,8 @@ Command add_fractions(Parser& program) {
     Parser parser = program.add_subcommand("fractions", "Measure the parts of a grid's cells that a mesh fills");
     ComputeOptions& own = choice->grid;
     own.margin = "5%";
-    add_mesh_argument(parser, own.mesh);
+    parser.add("MESH", own.mesh, "the mesh: .off, .obj, .stl or .ply; several files are one body; or a scene, .json")
+        .required();
     parser.add("-o,--output", own.output, "the fractions: .npz, .h5 or .vti").takes("RESULT").required();
     add_grid_options(parser, own, "room around the mesh");
     parser.begin_group("Options");

@@ -175,8 +175,8 @@ clsdf::Mesh read_body(const std::vector<std::string>& files, const MeshReading& 
         if (is_scene_file(file))
             throw clsdf::Error(
                 clsdf::ErrorCode::unsupported,
-                fmt::format("'{}' is a scene of many bodies, which \"clsdf query\", \"compute\" and \"check\" take, in "
-                            "place of all meshes; elsewhere give one mesh",
+                fmt::format("'{}' is a scene of many bodies, which \"clsdf query\", \"compute\", \"check\", \"outer\" "
+                            "and \"fractions\" take, in place of all meshes; elsewhere give one mesh",
                             file));
     clsdf::ReadOptions options = read_options(reading);
     options.log = warn;

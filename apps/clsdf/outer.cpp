@@ -3,6 +3,7 @@
 #include "devices.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
+#include "outer_surface.hpp"
 #include "report.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -25,18 +26,17 @@ struct OuterOptions {
 };
 
 ExitStatus run(const OuterOptions& options, Report& report) {
-    keep_mesh(options.mesh, options.output);
     clsdf::check_mesh_path(options.output);
-    const clsdf::Mesh mesh = read_body(options.mesh, options.reading, report);
-    const clsdf::OuterSurface surface = [&] {
+    const OuterOfFiles found = [&] {
         const Interruption interruption;
         ProgressBar progress(!report.quiet);
-        return clsdf::outer(mesh, parse_sign(options.sign), watched_call(progress, report, interruption.token()));
+        return outer_of_files(options.mesh, options.reading, options.sign, options.output,
+                              watched_call(progress, report, interruption.token()), report);
     }();
+    const clsdf::OuterSurface& surface = found.surface;
     clsdf::write_mesh(surface, options.output);
     output_is_written();
-    report.print("mesh    {}: {} vertices, {} triangles\n", mesh.name(), mesh.vertices().size(),
-                 mesh.triangles().size());
+    report.print("mesh    {}: {} vertices, {} triangles\n", found.name, found.vertices, found.triangles);
     report.print("outer   {} vertices, {} triangles; of the faces as given {} are whole, {} in part, {} hidden\n",
                  surface.mesh.vertices().size(), surface.mesh.triangles().size(), surface.whole_faces,
                  surface.partial_faces, surface.hidden_faces);
@@ -60,7 +60,9 @@ Command add_outer(Parser& program) {
     const auto options = std::make_shared<OuterOptions>();
     Parser parser =
         program.add_subcommand("outer", "Write the outer surface of a mesh whose parts overlap or lie in each other");
-    parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply; several files are one body").required();
+    parser
+        .add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply; several files are one body; or a scene, .json")
+        .required();
     parser.add("-o,--output", options->output, "its outer surface: .off, .obj, .stl or .ply")
         .takes("FILE")
         .in_usage()
@@ -72,7 +74,9 @@ Command add_outer(Parser& program) {
     parser.set_footer(
         "The outer surface is the boundary of what the sign of the mesh says is inside: parts of faces within others\n"
         "are left out, and faces are cut where they meet. Distances to it are those to the union of the parts.\n"
-        "A .ply file has the property given_face: the number of the face as given, of which a triangle is a part.\n\n"
+        "A .ply file has the property given_face: the number of the face as given, of which a triangle is a part.\n"
+        "In place of meshes, a file .json has many bodies with poses (docs/scenes.md); given_face is then that of the\n"
+        "face's body.\n\n"
         "Examples:\n"
         "  clsdf outer robot.stl -o outer.ply\n"
         "  clsdf outer housing.stl lid.stl -o outer.ply && clsdf compute outer.ply -o union.nrrd");

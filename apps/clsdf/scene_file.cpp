@@ -7,11 +7,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
 #include <iterator>
+#include <set>
+#include <string>
 #include <string_view>
+#include <system_error>
 
 namespace {
 
@@ -21,6 +25,29 @@ using nlohmann::json;
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::unreadable_input, message);
+}
+
+/// No member of an object may be there twice: the library keeps the last one.
+json parsed(const std::string& text) {
+    std::vector<std::set<std::string>> members;  // of the objects that are open
+    return json::parse(text, [&](int, json::parse_event_t event, const json& value) {
+        if (event == json::parse_event_t::object_start) members.emplace_back();
+        if (event == json::parse_event_t::object_end) members.pop_back();
+        if (event == json::parse_event_t::key && !members.back().insert(value.get<std::string>()).second)
+            refuse(fmt::format("an object has the member '{}' twice", value.get<std::string>()));
+        return true;
+    });
+}
+
+/// Calls work() with errors that name the body.
+template <typename Work>
+void with_name(const SceneFile& file, std::size_t body, const Work& work) {
+    try {
+        work();
+    } catch (const Error& error) {
+        throw Error(error.code(),
+                    fmt::format("{}: body {}, '{}': {}", file.path, body, file.bodies[body].name, error.what()));
+    }
 }
 
 void check_members(const json& object, std::initializer_list<std::string_view> known) {
@@ -108,14 +135,14 @@ std::vector<std::string> SceneFile::files() const {
 SceneFile read_scene(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (!file) refuse(fmt::format("cannot read '{}'", path));
+    if (!file) refuse(fmt::format("cannot read '{}': {}", path, std::generic_category().message(errno)));
     SceneFile scene{path, {}};
     std::size_t number = 0;
     try {
-        const json root = json::parse(text);
+        const json root = parsed(text);
+        if (root.is_object()) check_members(root, {"bodies"});
         if (!root.is_object() || !root.contains("bodies") || !root["bodies"].is_array())
             refuse("it is no object with the member 'bodies', a list");
-        check_members(root, {"bodies"});
         if (root["bodies"].empty()) refuse("'bodies' is an empty list; a scene needs a body");
         for (const json& value : root["bodies"]) {
             ++number;
@@ -142,7 +169,7 @@ void refuse_beside_scene(const std::vector<std::string>& meshes, const SignChoic
         throw Error(
             ErrorCode::invalid_argument,
             fmt::format("--surface: '{}' is a scene, which is held against the bodies as given; leave it out, or "
-                        "make the outer surface a mesh",
+                        "make the outer surface a mesh by \"clsdf outer\"",
                         *std::ranges::find_if(meshes, is_scene_file)));
     const char* const option = meshes.size() > 1                          ? "several files"
                                : sign.rule != "auto"                      ? "--sign"
@@ -150,18 +177,20 @@ void refuse_beside_scene(const std::vector<std::string>& meshes, const SignChoic
                                : std::ranges::count(with, group_word) > 0 ? "--with group"
                                                                           : nullptr;
     if (option != nullptr)
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("{}: '{}' is a scene, which is given alone, and whose file has the sign rules; leave it "
-                        "out",
-                        option, *std::ranges::find_if(meshes, is_scene_file)));
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: '{}' is a scene, which {}; leave it out", option,
+                                *std::ranges::find_if(meshes, is_scene_file),
+                                meshes.size() > 1                            ? "is given alone"
+                                : option == std::string_view("--with group") ? "has groups of each mesh by itself"
+                                                                             : "has the sign rules of its bodies"));
 }
 
 SceneMeshes read_meshes(const SceneFile& file, const MeshReading& reading, Report& report) {
     SceneMeshes result;
     for (const SceneFile::Body& body : file.bodies) {
+        const std::size_t number = result.mesh_of.size();
         result.mesh_of.push_back(body.of ? result.mesh_of[*body.of] : result.meshes.size());
-        if (!body.of) result.meshes.push_back(read_body(body.files, reading, report));
+        if (!body.of) with_name(file, number, [&] { result.meshes.push_back(read_body(body.files, reading, report)); });
     }
     return result;
 }
@@ -171,10 +200,12 @@ clsdf::Scene make_scene(const SceneFile& file, const SceneMeshes& meshes, const 
     clsdf::Scene scene(device, {.surface = surface});
     for (std::size_t i = 0; i < file.bodies.size(); ++i) {
         const SceneFile::Body& body = file.bodies[i];
-        if (body.of)
-            scene.add_instance(static_cast<std::uint32_t>(*body.of), body.pose);
-        else
-            scene.add(meshes.meshes[meshes.mesh_of[i]], body.pose, body.sign, call);
+        with_name(file, i, [&] {
+            if (body.of)
+                scene.add_instance(static_cast<std::uint32_t>(*body.of), body.pose);
+            else
+                scene.add(meshes.meshes[meshes.mesh_of[i]], body.pose, body.sign, call);
+        });
     }
     return scene;
 }

@@ -39,6 +39,10 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
     SegmentRun run;
     if (wants_groups(own.with, mesh)) run.groups = mesh.groups();
     run.grid = request.grid_around(mesh.box());
+    const auto& [nx, ny, nz] = run.grid.size;
+    // The sides: a bit for each sample, and a byte in the file.
+    require_memory(own, 1.125 * static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz),
+                   fmt::format("the sides of {} x {} x {} samples", nx, ny, nz));
     run.device = device.name();
     const Interruption interruption;
     try {

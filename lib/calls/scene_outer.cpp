@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -57,6 +58,12 @@ SceneSurface Scene::State::outer(const CallOptions& call) const {
                 for (std::uint32_t& face : found->second.faces) face = given[face];
         }
         const OuterSurface& own = found->second;
+        constexpr std::size_t most = std::numeric_limits<std::uint32_t>::max();
+        if (vertices.size() > most - own.mesh.vertices().size())
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("the surfaces of bodies 0 to {} have more than 2^32 vertices together; switch some "
+                                    "bodies off, and take the outer surface of the others",
+                                    number));
         const auto first = static_cast<std::uint32_t>(vertices.size());
         const std::vector<Vec3> moved =
             engine::Vertices::moved(own.mesh.vertices(), body.frame.rotation, body.frame.translation);

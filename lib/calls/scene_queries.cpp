@@ -27,7 +27,10 @@ namespace clsdf {
 class Scene::State::Call {
 public:
     Call(State& state, OutputSet outputs, std::size_t count, calls::RunningCall& running)
-        : state_(state), tree_(state.current_tree()), bodies_(state.bodies.size()) {
+        : state_(state),
+          cancellation_(running.options.should_stop, "the query"),
+          tree_(state.current_tree()),
+          bodies_(state.bodies.size()) {
         for (std::uint32_t i = 0; i < state.bodies.size(); ++i) {
             const Body& body = state.bodies[i];
             if (!body.is_active) continue;
@@ -38,13 +41,13 @@ public:
     }
 
     scenes::SearchedScene scene() const {
-        scenes::SearchedScene scene{bodies_, *tree_, with_films_};
+        scenes::SearchedScene scene{bodies_, *tree_, with_films_, cancellation_};
         if (state_.is_union())
             scene.meeting_lines = [this] {
                 const std::scoped_lock lock(state_.mutex);
                 if (!state_.meeting_lines)
                     state_.meeting_lines = std::make_shared<const scenes::MeetingLines>(
-                        scenes::SearchedScene{bodies_, *tree_, with_films_});
+                        scenes::SearchedScene{bodies_, *tree_, with_films_, cancellation_});
                 return state_.meeting_lines;
             };
         return scene;
@@ -56,13 +59,13 @@ public:
         const scenes::BodyTree tree = state.tree_at(frames);
         std::vector<scenes::SearchedBody> bodies = bodies_;
         for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].frame = &frames[i];
-        scenes::SearchedScene scene{bodies, tree, with_films_};
+        scenes::SearchedScene scene{bodies, tree, with_films_, cancellation_};
         std::shared_ptr<const scenes::MeetingLines> lines;
         if (state.is_union())
             scene.meeting_lines = [&] {
                 if (!lines)
-                    lines =
-                        std::make_shared<const scenes::MeetingLines>(scenes::SearchedScene{bodies, tree, with_films_});
+                    lines = std::make_shared<const scenes::MeetingLines>(
+                        scenes::SearchedScene{bodies, tree, with_films_, cancellation_});
                 return lines;
             };
         use(scene);
@@ -85,6 +88,7 @@ private:
     }
 
     State& state_;
+    cutting::Cancellation cancellation_;
     std::shared_ptr<const scenes::BodyTree> tree_;
     std::vector<scenes::SearchedBody> bodies_;
     std::vector<std::uint32_t> with_films_;
@@ -372,7 +376,7 @@ CallStatistics Scene::State::query_pairs(const InputArray& points, std::span<con
                        return scenes::answer_pairs(searched.scene(), all, std::span(asked).subspan(begin, count),
                                                    widths.get(), to);
                    });
-    const std::string warning = warning_of(unusable, pairs.size(), "pair", all[pairs[unusable.first].point], call);
+    const std::string warning = warning_of(unusable, pairs.size(), "pair", all[asked[unusable.first].point], call);
     running.statistics.unusable_points = unusable.count;
     arrays.unmap();
     if (call.log && !warning.empty()) call.log(warning);
@@ -443,6 +447,7 @@ void Scene::classify(std::span<const Box> boxes, double half_width, std::span<Bo
                 ErrorCode::invalid_argument,
                 fmt::format("{} boxes have {} places for their answers; give as many", boxes.size(), places.size()));
         points::check_boxes(boxes);
+        points::check_half_width(half_width);
         std::ranges::fill(places, has_sign() ? BoxPlace::outside : BoxPlace::beyond);
         std::vector<Box> in_body;
         std::vector<std::size_t> numbers;

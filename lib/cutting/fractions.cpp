@@ -1,6 +1,7 @@
 #include <clsdf/error.hpp>
 #include <clsdf/fractions.hpp>
 
+#include "core/floating_point.hpp"
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "cutting/cancellation.hpp"
@@ -92,6 +93,7 @@ public:
           spacing_(lattice.spacing),
           triangles_(mesh.triangles()),
           positions_(mesh.vertices().size()) {
+        const DefaultFloatingPoint as_kernels;
         for (const SlabRange& range : ranges)
             parts_.push_back({range.first, std::vector<std::vector<std::uint32_t>>(
                                                static_cast<std::size_t>(range.end - range.first))});
@@ -236,6 +238,7 @@ public:
 
     /// progress(fraction) is called on the caller's thread.
     void run(const Cancellation& cancellation, const auto& progress) {
+        const DefaultFloatingPoint as_kernels;
         tbb::enumerable_thread_specific<Worker> workers;
         std::atomic<std::size_t> done = 0;
         for_each_index(

@@ -1,6 +1,8 @@
 #include <clsdf/error.hpp>
 #include <clsdf/outer.hpp>
 
+#include "core/floating_point.hpp"
+#include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "core/vectors.hpp"
 #include "cutting/face_pieces.hpp"
@@ -160,6 +162,7 @@ std::string warning_of(const ResolvedSignRule& resolved, const OuterSurface& sur
 
 /// for_transform: also what transforms need beside the surface.
 cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptions& call, bool for_transform) {
+    const DefaultFloatingPoint as_kernels;
     const Cancellation cancellation(call.should_stop, "the search for the outer surface");
     const std::vector<std::uint32_t> first = first_equal_vertices(given.vertices());
     std::optional<Mesh> one_of_each;
@@ -259,7 +262,8 @@ cutting::OuterMesh cutting::outer_mesh(const Mesh& given, SignRule asked, const 
 }
 
 OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
-    return std::move(outer_mesh(given, asked, call, false).surface);
+    return with_host_memory("for the outer surface; divide the mesh",
+                            [&] { return std::move(outer_mesh(given, asked, call, false).surface); });
 }
 
 }  // namespace clsdf

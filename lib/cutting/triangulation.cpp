@@ -181,7 +181,8 @@ bool FaceTriangulation::is_better_flipped(const Side& side) const {
             of_q += (q[k] - p[k]) * (q[k] - p[k]);
             of_r += (r[k] - p[k]) * (r[k] - p[k]);
         }
-        return of_both / std::sqrt(of_q * of_r);
+        const double squared = of_q * of_r;  // 0 if rounding has brought points together
+        return squared > 0 ? of_both / std::sqrt(squared) : 1.0;
     };
     // The angles add up to more than half a turn.
     return cosine(corners[side.corner]) + cosine(bottom) < -1e-12;

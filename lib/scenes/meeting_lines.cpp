@@ -1,5 +1,6 @@
 #include "scenes/meeting_lines.hpp"
 
+#include "core/floating_point.hpp"
 #include "core/parallel.hpp"
 #include "core/vectors.hpp"
 #include "cutting/meetings.hpp"
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <iterator>
 #include <limits>
 #include <span>
@@ -215,6 +215,8 @@ private:
                     const Vec3 normal = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
                     const double of_a = dot(normal, difference(a, corners[0])),
                                  of_b = dot(normal, difference(b, corners[0]));
+                    // Ends on the same side, or on the plane, leave nothing between them.
+                    if (of_a == 0 || of_b == 0 || (of_a < 0) == (of_b < 0)) return false;
                     const double place = of_a / (of_a - of_b);
                     if (place > 0 && place < 1) places_.push_back(place);
                     return false;
@@ -262,6 +264,7 @@ private:
 }  // namespace
 
 MeetingLines::MeetingLines(const SearchedScene& scene) {
+    const DefaultFloatingPoint as_kernels;
     const NearFaces near = near_faces(scene);
     if (near.triangles.empty()) return;
     const std::vector<cutting::View> views = cutting::views_of(near.vertices, near.triangles);
@@ -270,8 +273,7 @@ MeetingLines::MeetingLines(const SearchedScene& scene) {
         return views[pair[0]].direction != 0 && views[pair[1]].direction != 0;
     });
     cutting::CutPoints points(near.vertices, near.triangles);
-    const std::function<bool()> never;
-    const cutting::Meetings meetings(points, views, pairs, cutting::Cancellation(never, ""));
+    const cutting::Meetings meetings(points, views, pairs, scene.cancellation);
 
     std::vector<std::uint32_t> met;
     for (std::uint32_t number = 0; number < near.triangles.size(); ++number)
@@ -281,6 +283,7 @@ MeetingLines::MeetingLines(const SearchedScene& scene) {
     for_each_index(
         met.size(),
         [&](std::size_t i) {
+            scene.cancellation.check();
             LinesOfFace lines(test, near, met[i]);
             for (const cutting::FaceSegment& segment : meetings.of(met[i])) {
                 const bool crosses = segment.cutter.axis == cutting::Cutter::of_face;

@@ -320,6 +320,7 @@ void answer_hidden(const SearchedScene& scene, std::span<const Vec3> points, std
             const DefaultFloatingPoint as_kernels;
             Outputs outputs(results.arrays);
             for (const auto& [i, found] : hidden.subspan(begin, end - begin)) {
+                scene.cancellation.check();
                 const Vec3& point = points[i];
                 const double rounding = rounding_of(scene.bodies[found.body], point),
                              depth = found.value < 0 ? std::sqrt(-found.value) : 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cutting/cancellation.hpp"
 #include "points/few_points.hpp"
 #include "points/usable_points.hpp"
 #include "scenes/body_tree.hpp"
@@ -38,6 +39,7 @@ struct SearchedScene {
     std::span<const SearchedBody> bodies;
     const BodyTree& tree;                       ///< of those that are on
     std::span<const std::uint32_t> with_films;  ///< the same, which have films; ascending
+    const cutting::Cancellation& cancellation;
     /// Returns the lines in which the bodies meet, made when they are asked for first. For one thread at a time. Empty:
     /// a point has the least of the bodies' values; else that of their union, and all bodies are closed and look
     /// outwards.

@@ -2,6 +2,7 @@
 
 #include "device/opencl.hpp"
 #include "mesh/input_arrays.hpp"
+#include "targets/target_layout.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -103,6 +104,8 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, const Index
                    : component_stride_ == width || components == 1 ? width * static_cast<std::ptrdiff_t>(components)
                                                                    : width);
     }
+    if (size[0] * size[1] * size[2] > 0)
+        targets::refuse_values_on_others(name, width, size, strides_, components, component_stride_);
     if (device_ != nullptr) return;
     ArrayLayout layout = given;
     layout.type = type_;

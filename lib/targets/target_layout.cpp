@@ -23,35 +23,34 @@ std::array<std::ptrdiff_t, 3> packed_strides(std::ptrdiff_t sample_bytes, const 
     return {sample_bytes, sample_bytes * grid.size[0], sample_bytes * grid.size[0] * grid.size[1]};
 }
 
-/// Throws if two values of a target may lie on the same bytes: each stride must be at least the span of all axes with
-/// shorter strides.
-void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& target) {
+}  // namespace
+
+void refuse_values_on_others(const std::string& array, std::ptrdiff_t width, const Index3& size,
+                             const std::array<std::ptrdiff_t, 3>& strides, std::size_t components,
+                             std::ptrdiff_t component_stride) {
     struct Axis {
         double step, count;
         const char* name;
     };
     std::array<Axis, 4> axes{
-        Axis{static_cast<double>(target.component_stride), static_cast<double>(row.components),
-             "from component to component"},
-        Axis{static_cast<double>(target.strides[0]), static_cast<double>(grid.size[0]), "along x"},
-        Axis{static_cast<double>(target.strides[1]), static_cast<double>(grid.size[1]), "along y"},
-        Axis{static_cast<double>(target.strides[2]), static_cast<double>(grid.size[2]), "along z"}};
+        Axis{static_cast<double>(component_stride), static_cast<double>(components), "from component to component"},
+        Axis{static_cast<double>(strides[0]), static_cast<double>(size[0]), "along x"},
+        Axis{static_cast<double>(strides[1]), static_cast<double>(size[1]), "along y"},
+        Axis{static_cast<double>(strides[2]), static_cast<double>(size[2]), "along z"}};
     for (Axis& axis : axes) axis.step = std::abs(axis.step);
     std::sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.step < b.step; });
-    auto span = static_cast<double>(width_of(target.type));
+    auto span = static_cast<double>(width);
     for (const Axis& axis : axes) {
         if (axis.count < 2) continue;
         if (axis.step < span)
             throw misuse(
-                fmt::format("the target of the output {} has a stride of {:.0f} bytes {}, and {:.0f} bytes are "
-                            "written at each step: values would overlap; a stride of {:.0f} bytes or more is needed, "
-                            "or strides of 0 for packed values",
-                            row.name, axis.step, axis.name, span, span));
+                fmt::format("{} has a stride of {:.0f} bytes {}, and {:.0f} bytes are written at each step: values "
+                            "would overlap; a stride of {:.0f} bytes or more is needed, or strides of 0 for packed "
+                            "values",
+                            array, axis.step, axis.name, span, span));
         span += axis.step * (axis.count - 1);
     }
 }
-
-}  // namespace
 
 void resolve_type(const OutputInfo& row, OutputArray& target) {
     if (target.type == ElementType::automatic) target.type = row.type;
@@ -105,7 +104,8 @@ ByteRange range_of(const OutputInfo& row, const Grid& grid, const OutputArray& t
     check_multiple("an offset", static_cast<std::ptrdiff_t>(target.offset));
     check_multiple("a component stride", target.component_stride);
     for (const std::ptrdiff_t stride : target.strides) check_multiple("a stride", stride);
-    check_overlap(row, grid, target);
+    refuse_values_on_others(fmt::format("the target of the output {}", row.name), width, grid.size, target.strides,
+                            row.components, target.component_stride);
     if (lowest < 0) return {};  // of unknown memory
     return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
 }

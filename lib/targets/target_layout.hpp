@@ -5,7 +5,9 @@
 
 #include "mesh/input_arrays.hpp"
 
+#include <array>
 #include <cstddef>
+#include <string>
 #include <utility>
 
 /// Where the values of one target lie: types, strides and bytes, with the checks of what a caller gave.
@@ -28,6 +30,13 @@ bool resolve_strides(const OutputInfo& row, const Grid& grid, OutputArray& targe
 
 /// Where a target's samples begin and end, in bytes of its memory.
 std::pair<double, double> extent_of(const OutputInfo& row, const Grid& grid, const OutputArray& target);
+
+/// Throws Error(invalid_argument) if two values of an array may lie on the same bytes: each stride must be at least the
+/// span of all axes with shorter strides. array: "the target of the output distance". width: of a number. All strides
+/// are known.
+void refuse_values_on_others(const std::string& array, std::ptrdiff_t width, const Index3& size,
+                             const std::array<std::ptrdiff_t, 3>& strides, std::size_t components,
+                             std::ptrdiff_t component_stride);
 
 /// The bytes of a target's samples. Throws Error(invalid_argument) if they do not lie within `bytes` bytes, unless
 /// these are unknown, or not where its numbers can, or if two values may lie on the same bytes.

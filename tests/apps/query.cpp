@@ -421,7 +421,23 @@ BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
                                       "--band", "full", "--with", "body", "--quiet"});
     BOOST_TEST(made.status == 0, made.error);
     BOOST_TEST(std::ranges::min(read_field(field).distance()) < -0.8F);
-    check_refused(run_command({"check", together, field, "--surface", "outer"}), 2, {"--surface", "scene.json"});
+    check_refused(run_command({"check", together, field, "--surface", "outer"}), 2,
+                  {"--surface", "scene.json", "clsdf outer"});
+    check_refused(run_command({"compute", together, "--dry-run", "--surface", "outer", "--with", "site"}), 2,
+                  {"site", "--surface outer"});
+    const std::string merged = inputs.folder.file("merged.off"), cells = inputs.folder.file("cells.npz");
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"outer", together, "-o", merged, "--json"},
+          std::vector<std::string>{"fractions", together, "-o", cells, "--resolution", "9", "--json"}}) {
+        const Outcome of_union = run_command(command);
+        BOOST_TEST_REQUIRE(of_union.status == 0, of_union.error);
+        const auto json = nlohmann::json::parse(of_union.out);
+        BOOST_TEST(std::abs(json["volume"].get<double>() - 14) < 1e-12);
+        BOOST_TEST(std::abs(json["area"].get<double>() - 36) < 1e-12);
+    }
+    check_refused(run_command({"outer", together, "-o", merged, "--sign", "parity"}), 2, {"--sign", "scene.json"});
+    check_refused(run_command({"fractions", together, "-o", cells, "--resolution", "200000"}), 4,
+                  {"of memory", "--resolution"});
 
     for (const auto& [more, message] : std::vector<std::pair<std::string, std::string>>{
              {", {}", "body 1, counted from 0: it needs either 'mesh'"},
@@ -430,6 +446,8 @@ BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
              {R"(, {"instance": "base", "sign": "none"})", "leave 'sign' out"},
              {R"(, {"instance": "base", "name": "base"})", "has the name 'base', too"},
              {R"(, {"instance": "base", "place": 1})", "no member 'place'"},
+             {R"(, {"instance": "base", "pose": 1, "pose": 2})", "has the member 'pose' twice"},
+             {R"(, {"name": "lid", "mesh": "none.off"})", "body 1, 'lid'"},
              {R"(, {"instance": "base", "pose": [1, 2]})", "no 4 x 4 matrix"},
              {R"(, {"instance": "base", "pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, "a"]})", "no number"},
              {R"(, {"instance": "base", "pose": [2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]})", "no rotation"},

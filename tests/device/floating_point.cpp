@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cfenv>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -60,6 +61,39 @@ BOOST_AUTO_TEST_CASE(a_solver_that_traps_exceptions_can_make_a_device_and_comput
         BOOST_TEST((places.front() == BoxPlace::within));
         std::fesetenv(&traps);
     }
+
+    // Faces that meet, and lines of three bodies.
+    const std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
+                                    {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}};
+    const std::vector<Triangle> faces{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    const Mesh cube(corners, faces);
+    Scene scene(device, {.surface = Surface::outer});
+    const double c = std::cos(0.4), s = std::sin(0.4);
+    for (int i = 0; i < 6; ++i)
+        scene.add(cube, {{{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {0.3 * i, 0.1 * (i % 2), 0.5 * (i % 3)}});
+    std::vector<Vec3> points;
+    for (int i = 0; i < 60; ++i) points.push_back({0.03 * i, 0.4, 0.5});
+    std::vector<double> distance(points.size()), upwards(points.size());
+    scene.query(points, 1, {{{Output::distance, distance}}});
+    const SceneSurface surface = scene.outer();
+    const Grid cells = grid_around(surface.surface.mesh, 12, 0.1);
+    const Fractions found = fractions(surface.surface, cells);
+    std::fesetround(FE_UPWARD);
+    scene.set_active(0, false);  // which forgets lines
+    scene.set_active(0, true);
+    scene.query(points, 1, {{{Output::distance, upwards}}});
+    const SceneSurface again = scene.outer();
+    const Fractions found_again = fractions(surface.surface, cells);
+    std::fesetround(FE_TONEAREST);
+    std::fenv_t traps;
+    std::feholdexcept(&traps);
+    BOOST_TEST(upwards == distance);
+    BOOST_TEST((again.surface.mesh.vertices() == surface.surface.mesh.vertices()));
+    BOOST_TEST(found.cells.size() == found_again.cells.size());
+    for (std::size_t i = 0; i < std::min(found.cells.size(), found_again.cells.size()); ++i)
+        BOOST_TEST(found.cells[i].volume == found_again.cells[i].volume);
+    std::fesetenv(&traps);
     std::fesetenv(&environment);
 #endif
 }

@@ -365,6 +365,12 @@ BOOST_AUTO_TEST_CASE(what_is_wrong_is_named_and_changes_nothing) {
     const auto pair = [&](PointOfBody asked) { scene.query_pairs(point, std::span(&asked, 1), 1, one); };
     check_throws(ErrorCode::invalid_argument, {"pair 0 names point 1"}, [&] { pair({1, 0}); });
     check_throws(ErrorCode::invalid_argument, {"pair 0 names body 2"}, [&] { pair({0, 2}); });
+    // Results may lie on the pairs.
+    std::vector<PointOfBody> pairs(2000, {1, 0});
+    const std::vector<Vec3> points{point.front(), {std::nan(""), 0, 0}};
+    scene.query_pairs(points, pairs, 1,
+                      {{Output::triangle, std::span(reinterpret_cast<std::uint32_t*>(pairs.data()), 2000)}});
+    BOOST_TEST(pairs.front().point == no_triangle);
     scene.set_active(1, false);
     check_throws(ErrorCode::invalid_argument, {"switched off"}, [&] { pair({0, 1}); });
     check_throws(ErrorCode::invalid_argument, {"counted from 0"},

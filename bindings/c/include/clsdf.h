@@ -1201,7 +1201,7 @@ CLSDF_API clsdf_status clsdf_scene_outer(const clsdf_scene* scene, const clsdf_c
 /* As clsdf_compute() and clsdf_compute_field(): the least of the bodies' signed distances, with the outputs of the body
  * that has it, and CLSDF_BODY, which count from index_base. A sample in the depth of a body, beyond its band, is beyond
  * the band of the field. Each body has the bytes of a transform of its own that was moved there. Fields of a scene take
- * turns. */
+ * turns. CLSDF_UNSUPPORTED for CLSDF_SITE and CLSDF_BARYCENTRIC of a scene with CLSDF_SURFACE_OUTER. */
 CLSDF_API clsdf_status clsdf_scene_compute(const clsdf_scene* scene, const clsdf_grid* grid, const clsdf_band* band,
                                            const clsdf_target* targets, int64_t target_count,
                                            const clsdf_call_options* call, clsdf_statistics* statistics);

@@ -70,10 +70,6 @@ LinkSink sink_of(clsdf_link_function sink, void* user, std::int32_t index_base) 
     };
 }
 
-void set(const TransformStatistics& from, clsdf_statistics* to) {
-    if (to != nullptr) c::write_struct(c::as_c(from), to, "clsdf_statistics");
-}
-
 }  // namespace
 
 clsdf_status clsdf_stencil(const char* name, const char* code, std::int32_t* directions, std::int64_t* count) {
@@ -99,9 +95,9 @@ clsdf_status clsdf_links(const clsdf_transform* transform, const clsdf_grid* gri
         const clsdf_link_arrays& to = given(arrays, "arrays");
         std::size_t found = 0;
         try {
-            set(self.transform.links(c::grid_of(grid), c::directions_of(directions, direction_count), targets_of(to),
-                                     found, c::link_options_of(options), caller),
-                statistics);
+            c::set(self.transform.links(c::grid_of(grid), c::directions_of(directions, direction_count), targets_of(to),
+                                        found, c::link_options_of(options), caller),
+                   statistics);
         } catch (const Error&) {
             *count = static_cast<std::int64_t>(found);
             throw;
@@ -122,9 +118,9 @@ clsdf_status clsdf_link_slabs(const clsdf_transform* transform, const clsdf_grid
         c::check_result(statistics, "clsdf_statistics");
         const Call caller(call);
         if (sink == nullptr) throw c::misuse("sink is null; give a function");
-        set(self.transform.links(c::grid_of(grid), c::directions_of(directions, direction_count),
-                                 sink_of(sink, user, self.index_base), c::link_options_of(options), caller),
-            statistics);
+        c::set(self.transform.links(c::grid_of(grid), c::directions_of(directions, direction_count),
+                                    sink_of(sink, user, self.index_base), c::link_options_of(options), caller),
+               statistics);
     });
 }
 
@@ -159,6 +155,6 @@ clsdf_status clsdf_crossings(const clsdf_transform* transform, const clsdf_grid*
             c::set_base(self.index_base, std::span(to.triangles[axis], edges.triangles.size()));
         }
         if (to.inside != nullptr) set_bytes(found.inside, to.inside);
-        set(measured, statistics);
+        c::set(measured, statistics);
     });
 }

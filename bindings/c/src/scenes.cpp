@@ -17,10 +17,6 @@ using c::of;
 
 namespace {
 
-void set(const TransformStatistics& from, clsdf_statistics* to) {
-    if (to != nullptr) c::write_struct(c::as_c(from), to, "clsdf_statistics");
-}
-
 Pose pose_from(const clsdf_pose& pose) {
     Pose to;
     for (std::size_t row = 0; row < 3; ++row) std::copy_n(pose.rotation + 3 * row, 3, to.rotation[row].begin());
@@ -181,7 +177,7 @@ clsdf_status clsdf_scene_compute(const clsdf_scene* scene, const clsdf_grid* gri
         const Grid of_field = c::grid_of(grid);
         const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, of_field);
         c::check_base(self.index_base, to);
-        set(self.scene.compute(of_field, c::band_of(band), to, caller), statistics);
+        c::set(self.scene.compute(of_field, c::band_of(band), to, caller), statistics);
         c::set_base(self.index_base, to, of_field.size);
     });
 }
@@ -199,7 +195,7 @@ clsdf_status clsdf_scene_compute_field(const clsdf_scene* scene, const clsdf_gri
             self.index_base);
         c::set_base(self.index_base, result->field.triangle());
         c::set_base(self.index_base, result->field.body());
-        set(measured, statistics);
+        c::set(measured, statistics);
         return result.release();
     });
 }
@@ -215,7 +211,7 @@ clsdf_status clsdf_scene_query(const clsdf_scene* scene, const clsdf_array* poin
         SceneTargets to{c::targets_of(clsdf_targets{targets, target_count}, from.count)};
         if (own != nullptr) to.is_own = {own, from.count};
         c::check_base(self.index_base, to.outputs);
-        set(self.scene.query(from, half_width, to, caller), statistics);
+        c::set(self.scene.query(from, half_width, to, caller), statistics);
         c::set_base(self.index_base, to.outputs, from.count);
     });
 }
@@ -232,7 +228,7 @@ clsdf_status clsdf_scene_query_pairs(const clsdf_scene* scene, const clsdf_array
         const std::vector<PointOfBody> all = pairs_of(self, pairs, count);
         const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, all.size());
         c::check_base(self.index_base, to);
-        set(self.scene.query_pairs(from, all, half_width, to, caller), statistics);
+        c::set(self.scene.query_pairs(from, all, half_width, to, caller), statistics);
         c::set_base(self.index_base, to, all.size());
     });
 }

@@ -16,10 +16,6 @@ using c::of;
 
 namespace {
 
-void set(const TransformStatistics& from, clsdf_statistics* to) {
-    if (to != nullptr) c::write_struct(c::as_c(from), to, "clsdf_statistics");
-}
-
 clsdf_sparse_counts as_c(const SparseCounts& counts) {
     return {static_cast<std::int64_t>(counts.bricks), static_cast<std::int64_t>(counts.runs)};
 }
@@ -73,7 +69,8 @@ clsdf_status clsdf_compute_sparse(const clsdf_transform* transform, const clsdf_
         c::check_base(self.index_base, targets.values);
         SparseCounts found;
         try {
-            set(self.transform.compute_sparse(c::grid_of(grid), c::band_of(band), targets, found, caller), statistics);
+            c::set(self.transform.compute_sparse(c::grid_of(grid), c::band_of(band), targets, found, caller),
+                   statistics);
         } catch (const Error&) {
             *counts = as_c(found);
             throw;
@@ -94,7 +91,7 @@ clsdf_status clsdf_count_sparse(const clsdf_transform* transform, const clsdf_gr
         const Call caller(call);
         TransformStatistics measured;
         *counts = as_c(self.transform.count_sparse(c::grid_of(grid), c::band_of(band), caller, &measured));
-        set(measured, statistics);
+        c::set(measured, statistics);
     });
 }
 
@@ -106,9 +103,9 @@ clsdf_status clsdf_compute_sparse_slabs(const clsdf_transform* transform, const 
         c::check_result(statistics, "clsdf_statistics");
         const Call caller(call);
         if (sink == nullptr) throw c::misuse("sink is null; give a function");
-        set(self.transform.compute_sparse(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs),
-                                          sink_of(sink, user, self.index_base), caller),
-            statistics);
+        c::set(self.transform.compute_sparse(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs),
+                                             sink_of(sink, user, self.index_base), caller),
+               statistics);
     });
 }
 
@@ -123,7 +120,7 @@ clsdf_status clsdf_compute_sparse_field(const clsdf_transform* transform, const 
         auto result = handle_of(self.transform.compute_sparse(c::grid_of(grid), c::band_of(band),
                                                               c::outputs_of(outputs), caller, &measured),
                                 self.index_base);
-        set(measured, statistics);
+        c::set(measured, statistics);
         return result.release();
     });
 }
@@ -151,7 +148,7 @@ clsdf_status clsdf_compute_sparse_requests(const clsdf_transform* transform, con
         std::vector<std::unique_ptr<clsdf_sparse_field>> handles;
         for (SparseField& field : self.transform.compute_sparse(all, caller, &measured))
             handles.push_back(handle_of(std::move(field), self.index_base));
-        set(measured, statistics);
+        c::set(measured, statistics);
         for (std::size_t n = 0; n < handles.size(); ++n) fields[n] = handles[n].release();
     });
 }

@@ -32,10 +32,6 @@ TransformOptions options_of(const clsdf_transform_options* options) {
     return to;
 }
 
-void set(const TransformStatistics& from, clsdf_statistics* to) {
-    if (to != nullptr) c::write_struct(c::as_c(from), to, "clsdf_statistics");
-}
-
 /// Hands slabs on with numbers that count from the mesh's index base, in one buffer for all slabs.
 SlabSink sink_of(clsdf_slab_function sink, void* user, std::int32_t index_base) {
     return [=, shifted = c::ShiftedValues()](const Grid& part, const FieldSlab& values) mutable {
@@ -156,7 +152,7 @@ clsdf_status clsdf_compute(const clsdf_transform* transform, const clsdf_grid* g
         const Grid of_field = c::grid_of(grid);
         const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, of_field);
         c::check_base(self.index_base, to);
-        set(self.transform.compute(of_field, c::band_of(band), to, caller), statistics);
+        c::set(self.transform.compute(of_field, c::band_of(band), to, caller), statistics);
         c::set_base(self.index_base, to, of_field.size);
     });
 }
@@ -169,7 +165,7 @@ clsdf_status clsdf_compute_requests(const clsdf_transform* transform, const clsd
         const Call caller(call);
         const std::vector<Request> all = c::requests_of(requests, count);
         for (const Request& request : all) c::check_base(self.index_base, request.targets);
-        set(self.transform.compute(all, caller), statistics);
+        c::set(self.transform.compute(all, caller), statistics);
         for (const Request& request : all) c::set_base(self.index_base, request.targets, request.grid.size);
     });
 }
@@ -182,7 +178,7 @@ clsdf_status clsdf_compute_blocks(const clsdf_transform* transform, const clsdf_
         const Call caller(call);
         const BlockSet set_of = c::block_set_of(blocks);
         c::check_base(self.index_base, set_of.targets);
-        set(self.transform.compute(set_of, caller), statistics);
+        c::set(self.transform.compute(set_of, caller), statistics);
         c::set_base(self.index_base, set_of);
     });
 }
@@ -200,9 +196,9 @@ clsdf_status clsdf_compute_slabs(const clsdf_transform* transform, const clsdf_g
         SlabOptions to;
         to.sink_has_own_thread = c::flag(from.own_thread, "clsdf_slab_options.own_thread");
         if (sink == nullptr) throw c::misuse("sink is null; give a function");
-        set(self.transform.compute(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs),
-                                   sink_of(sink, user, self.index_base), to, caller),
-            statistics);
+        c::set(self.transform.compute(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs),
+                                      sink_of(sink, user, self.index_base), to, caller),
+               statistics);
     });
 }
 
@@ -219,7 +215,7 @@ clsdf_status clsdf_compute_field(const clsdf_transform* transform, const clsdf_g
             self.index_base);
         c::set_base(self.index_base, result->field.triangle());
         c::set_base(self.index_base, result->field.body());
-        set(measured, statistics);
+        c::set(measured, statistics);
         return result.release();
     });
 }
@@ -246,7 +242,7 @@ clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* po
         const InputArray from = c::input_of(points, "points");
         const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, from.count);
         c::check_base(self.index_base, to);
-        set(self.transform.query(from, half_width, to, caller), statistics);
+        c::set(self.transform.query(from, half_width, to, caller), statistics);
         c::set_base(self.index_base, to, from.count);
     });
 }
@@ -280,7 +276,7 @@ clsdf_status clsdf_rays(const clsdf_transform* transform, const clsdf_array* ori
         const RayTargets to = c::ray_targets_of(asked, from.count);
         if (to.triangles.device != nullptr) c::check_base(self.index_base, OutputSet(Output::triangle));
         const RayOptions options{c::hits_of(asked.hits, "clsdf_ray_request.hits"), asked.limit};
-        set(self.transform.rays(from, along, options, to, caller), statistics);
+        c::set(self.transform.rays(from, along, options, to, caller), statistics);
         c::set_base(self.index_base, to.triangles, from.count, to.most);
     });
 }
@@ -293,9 +289,9 @@ clsdf_status clsdf_visible(const clsdf_transform* transform, const clsdf_array* 
         c::check_result(statistics, "clsdf_statistics");
         const Call caller(call);
         const InputArray first = c::input_of(from, "from"), second = c::input_of(to, "to");
-        set(self.transform.visible(first, second, c::output_of(visible, "visible", first.count),
-                                   c::hits_of(hits, "hits"), caller),
-            statistics);
+        c::set(self.transform.visible(first, second, c::output_of(visible, "visible", first.count),
+                                      c::hits_of(hits, "hits"), caller),
+               statistics);
     });
 }
 
@@ -330,6 +326,6 @@ clsdf_status clsdf_transform_compile(const clsdf_transform* transform, const cls
         const clsdf_transform& self = of(transform);
         c::check_result(statistics, "clsdf_statistics");
         const Call caller(call);
-        set(self.transform.compile(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs), caller), statistics);
+        c::set(self.transform.compile(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs), caller), statistics);
     });
 }

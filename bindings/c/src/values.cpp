@@ -420,6 +420,10 @@ std::span<BoxPlace> places_of(std::uint8_t* places, std::int64_t count) {
     return {reinterpret_cast<BoxPlace*>(places), static_cast<std::size_t>(count)};
 }
 
+void set(const TransformStatistics& from, clsdf_statistics* to) {
+    if (to != nullptr) write_struct(as_c(from), to, "clsdf_statistics");
+}
+
 clsdf_statistics as_c(const TransformStatistics& statistics) {
     clsdf_statistics result = CLSDF_STATISTICS_INIT;
     result.slabs = static_cast<std::int64_t>(statistics.slabs);

@@ -72,6 +72,8 @@ SignRule sign_rule_of(std::int32_t rule, const char* name);
 Surface surface_of(std::int32_t surface, const char* name);
 clsdf_topology as_c(const Topology& topology);
 clsdf_statistics as_c(const TransformStatistics& statistics);
+/// to: may be null.
+void set(const TransformStatistics& from, clsdf_statistics* to);
 clsdf_kept_memory as_c(const KeptMemory& memory);
 /// With the name's address.
 clsdf_field_description as_c(const FieldDescription& field);

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._core import Grid
+from ._error import Error
 from ._meshes import OuterSurface, arrays_of
 
 
@@ -34,7 +35,8 @@ class Fractions(NamedTuple):
         the surface does not meet, or another one, which is 0 there: 'pieces', 'centroid', 'area', 'vector_area',
         'surface_centroid'."""
         if name not in ("volume", "pieces", "centroid", "area", "vector_area", "surface_centroid"):
-            raise ValueError(f"{name!r} is no column of cells")
+            raise Error(f"{name!r} is no column of cells; choose 'volume', 'pieces', 'centroid', 'area', 'vector_area' or "
+                        "'surface_centroid'")
         rows = getattr(self, name)
         field = np.zeros(self.full.shape + rows.shape[1:], rows.dtype)
         if name == "volume":

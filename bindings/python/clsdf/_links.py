@@ -12,6 +12,12 @@ from ._core import Grid
 from ._error import Error
 
 
+def grid_of(grid: Any) -> Grid:
+    if not isinstance(grid, Grid):
+        raise Error(f"grid: {repr(grid)[:100]} is no clsdf.Grid; grid() of the body makes one")
+    return grid
+
+
 def stencil(name: str, code: str = "waLBerla") -> npt.NDArray[np.int32]:
     """The directions of a lattice-Boltzmann stencil, (Q, 3), in the order of a code: "D3Q15", "D3Q19" or "D3Q27";
     "OpenLB", "waLBerla", "lbmpy", "Palabos" or "XLB". The first one is (0, 0, 0), which has no links."""
@@ -96,7 +102,10 @@ def directions_of(directions: DirectionsLike) -> npt.NDArray[np.int32]:
         return stencil(directions)
     if isinstance(directions, tuple) and len(directions) == 2 and all(isinstance(part, str) for part in directions):
         return stencil(*directions)
-    given = np.asarray(directions)
+    try:
+        given = np.asarray(directions)
+    except ValueError:
+        raise Error(f"directions: {repr(directions)[:100]} is no array (n, 3); each direction has three whole numbers") from None
     if given.ndim != 2 or given.shape[1:] != (3,) or given.dtype.kind not in "iu":
         raise Error(
             f"directions has the shape {given.shape} and the type {given.dtype}; expected whole numbers (n, 3), a name as "

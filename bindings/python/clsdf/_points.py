@@ -116,15 +116,15 @@ def _address(array: Any) -> Any:
     return None if interface is None else interface["data"][0]
 
 
-def limit_of(within: float | None) -> float:
-    if within is None:
+def limit_of(value: float | None, name: str = "within", unit: str = "the mesh's units") -> float:
+    if value is None:
         return math.inf
     try:
-        if isinstance(within, (str, bool)):
+        if isinstance(value, (str, bool)):
             raise TypeError
-        return float(within)
+        return float(value)
     except (TypeError, ValueError):
-        raise Error(f"within: {within!r} is not a number, in the mesh's units; None is no limit") from None
+        raise Error(f"{name}: {repr(value)[:100]} is not a number, in {unit}; None is no limit") from None
 
 
 def limits_of(within: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64] | float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,8 +49,8 @@ def _numbers(what: str, values: Any, shape: tuple[int, ...] | None) -> npt.NDArr
     return array
 
 
-def poses_of(poses: Any) -> npt.NDArray[np.float64]:
-    """Rows of rotations and translations (n, 3, 4), of poses as users give them."""
+def poses_of(poses: Any, name: Callable[[int], str] = "matrix {}".format) -> npt.NDArray[np.float64]:
+    """Rows of rotations and translations (n, 3, 4), of poses as users give them. name: of one in a message."""
     if isinstance(poses, tuple) and len(poses) == 2:
         rotation, translation = _numbers("rotation", poses[0], None), _numbers("translation", poses[1], None)
         if rotation.ndim != 3 or rotation.shape[1:] != (3, 3) or translation.shape != (len(rotation), 3):
@@ -64,7 +65,7 @@ def poses_of(poses: Any) -> npt.NDArray[np.float64]:
         return rows
     wrong = np.flatnonzero((rows[:, 3] != (0, 0, 0, 1)).any(axis=1))
     if wrong.size:
-        raise Error(f"poses: the last row of matrix {wrong[0]} is {rows[wrong[0], 3].tolist()}, not [0, 0, 0, 1]")
+        raise Error(f"poses: the last row of {name(int(wrong[0]))} is {rows[wrong[0], 3].tolist()}, not [0, 0, 0, 1]")
     return np.ascontiguousarray(rows[:, :3])
 
 
@@ -73,7 +74,10 @@ def _one_pose(pose: Any) -> npt.NDArray[np.float64] | None:
         return None
     if isinstance(pose, tuple) and len(pose) == 2:
         return poses_of((_numbers("rotation", pose[0], (3, 3))[None], _numbers("translation", pose[1], (3,))[None]))
-    return poses_of(_numbers("pose", pose, None)[None])
+    matrix = _numbers("pose", pose, None)
+    if matrix.shape not in ((3, 4), (4, 4)):
+        raise Error(f"pose has the shape {matrix.shape}; expected (4, 4) or (3, 4), or a tuple (R, t)")
+    return poses_of(matrix[None], lambda _: "the pose")
 
 
 def _whole(what: str, values: Any, columns: int) -> npt.NDArray[np.uint32]:
@@ -89,6 +93,14 @@ def _whole(what: str, values: Any, columns: int) -> npt.NDArray[np.uint32]:
     return np.ascontiguousarray(array, np.uint32)
 
 
+def _outputs_without_own(
+    outputs: Outputs | None, shape: tuple[int, ...]
+) -> tuple[list[str], npt.NDArray[np.bool_] | None]:
+    """The outputs that a transform has, too, and an array of the shape for 'is_own', if that is one of them."""
+    asked = outputs.replace(",", " ").split() if isinstance(outputs, str) else list(outputs or ())
+    return [name for name in asked if name != "is_own"], np.empty(shape, np.bool_) if "is_own" in asked else None
+
+
 class Scene(WithFields):
     """Many bodies, each a mesh with its own sign rule and pose: points among them, and their fields (docs/scenes.md).
 
@@ -97,7 +109,8 @@ class Scene(WithFields):
     all of them that to their union, inside the depth in the deepest body.
 
     field() and grid() are those of a Transform: the field has the least of the bodies' signed distances, and 'body' says
-    which one. Their band is 10% if none is given: each body is computed in its own band. A sample in the depth of a body, beyond its band, is beyond the band of the field, whatever else is near.
+    which one. Their band is 10% if none is given: each body is computed in its own band. A sample in the depth of a body,
+    beyond its band, is beyond the band of the field, whatever else is near.
 
     A pose is a 4 x 4 or 3 x 4 matrix, or a tuple (R, t): the body's points x are at R @ x + t. Matrices may be float32:
     each rotation is replaced by the nearest one.
@@ -121,6 +134,9 @@ class Scene(WithFields):
     def __repr__(self) -> str:
         return f"<clsdf.Scene: {len(self)} bodies, on {self.device.name}>"
 
+    def __reduce__(self) -> Any:
+        raise Error("a clsdf.Scene cannot be pickled or copied; add its meshes again, in each process", "unsupported")
+
     def __len__(self) -> int:
         return self._body.size()
 
@@ -140,6 +156,11 @@ class Scene(WithFields):
     def has_sign(self) -> bool:
         """Whether a body that is on has a sign."""
         return self._body.has_sign
+
+    @property
+    def box(self) -> npt.NDArray[np.float64]:
+        """(2, 3): the lower and the upper corner of the bodies that are on, where they are."""
+        return np.array(self._body.box)
 
     def _description(self) -> tuple[str, str, float | None]:
         return self._body.field_sign, "scene", None
@@ -220,9 +241,7 @@ class Scene(WithFields):
         count = _cuda.shape_of(points)[0]
         arrays_out, is_own = self._without_own(out, shape)
         if out is None:
-            asked = outputs.replace(",", " ").split() if isinstance(outputs, str) else list(outputs or ())
-            outputs = [name for name in asked if name != "is_own"]
-            is_own = np.empty(shape, np.bool_) if "is_own" in asked else None
+            outputs, is_own = _outputs_without_own(outputs, shape)
         elif outputs is not None:
             raise Error("outputs= and out= exclude each other: the arrays that are given say what is computed")
         arrays, results = arrays_for(outputs, arrays_out, dtype, shape)
@@ -251,11 +270,11 @@ class Scene(WithFields):
         rows = _numbers("poses", poses, None)
         if rows.ndim != 4 or rows.shape[1] != len(self):
             raise Error(f"poses has the shape {rows.shape}; expected (c, {len(self)}, 4, 4) or (c, {len(self)}, 3, 4)")
-        flat = poses_of(rows.reshape(-1, *rows.shape[2:]))
+        flat = poses_of(rows.reshape(-1, *rows.shape[2:]),
+                        lambda number: f"body {number % len(self)} in configuration {number // len(self)}")
         shape = (len(rows), *shape)
-        asked = outputs.replace(",", " ").split() if isinstance(outputs, str) else list(outputs or ())
-        is_own = np.empty(shape, np.bool_) if "is_own" in asked else None
-        arrays, results = arrays_for([name for name in asked if name != "is_own"], None, dtype, shape)
+        outputs, is_own = _outputs_without_own(outputs, shape)
+        arrays, results = arrays_for(outputs, None, dtype, shape)
         own = None if is_own is None else is_own.reshape(-1).view(np.uint8)
         with shown(progress) as show:
             self._body.query_poses(points, flat, limit_of(within), arrays, own, show, refuse_unusable_points)
@@ -308,6 +327,9 @@ class Scene(WithFields):
         numbers of some; None: all of them, which must be on. Other parameters: as of query()."""
         points, shape = rows_of(points)
         numbers = np.arange(len(self), dtype=np.uint32) if bodies is None else _whole("bodies", bodies, 1)
+        for number in numbers:
+            if number >= len(self):
+                raise Error(f"bodies: there is no body {number}; the scene has {len(self)}, counted from 0")
         count = _cuda.shape_of(points)[0]
         pairs = np.empty((len(numbers), count, 2), np.uint32)
         pairs[..., 0], pairs[..., 1] = np.arange(count, dtype=np.uint32), numbers[:, None]

@@ -25,7 +25,7 @@ from ._points import pairs_of, rows_of
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, wanted
 from ._field import Field
-from ._links import Crossings, DirectionsLike, Links, directions_of, is_in_floats, is_of_faces
+from ._links import Crossings, DirectionsLike, Links, directions_of, grid_of, is_in_floats, is_of_faces
 from ._plan import LinkPlan, Plan, PointPlan, SparsePlan
 from ._sparse import SparseField
 from ._with_fields import WithFields, whole as _whole
@@ -329,7 +329,7 @@ class Transform(WithFields):
         dtype: npt.DTypeLike | None,
     ) -> Field:
         geometry = _images.geometry_of(image)
-        if self.sign == "below" or self._regions is not None:
+        if self.sign == "below" or self._regions is not None or self._made_of[0] is None:
             raise Error("image: a terrain, whose walls are along z, and a restricted transform have fields of grids alone",
                         "unsupported")
         # The first positions decide what the sign counts.
@@ -642,8 +642,7 @@ class Transform(WithFields):
         if frame is not None:
             points = into_frame(points, *frame_of(frame))
         distance = np.empty(_cuda.shape_of(points)[0])
-        limit = math.inf if self._regions is None else min(region[2] for region in self._regions)
-        self._body.query(points, limit, {"distance": distance}, None, None, False)
+        self._body.query(points, 0.0, {"distance": distance}, None, None, False)  # which has the sign at any distance
         return np.asarray(np.signbit(distance) & ~np.isnan(distance)).reshape(shape)
 
     def classify(self, boxes: npt.ArrayLike, half_width: float) -> npt.NDArray[np.uint8]:
@@ -692,7 +691,7 @@ class Transform(WithFields):
         a mesh without a sign. with_between: also links with both ends outside and a body between them. dtype: of q.
         Raises clsdf.Error (invalid_argument) for directions or a grid out of range, and for walls without a sign.
         """
-        own = directions_of(directions)
+        grid, own = grid_of(grid), directions_of(directions)
         of_faces, in_floats = is_of_faces(hits), is_in_floats(dtype)
         with shown(progress) as show:
             return Links(grid, own, _core.links(self._body, grid, own, of_faces, with_between, in_floats, show))
@@ -709,7 +708,7 @@ class Transform(WithFields):
         """The links of a grid of any size as an iterator of those of its slabs, whole slices in the order of z, which are
         those of slabs(). Options: as of links(). Each slab is computed when it is asked for; the rows, one slab after
         another, are those of the whole."""
-        own = directions_of(directions)
+        grid, own = grid_of(grid), directions_of(directions)
         of_faces, in_floats = is_of_faces(hits), is_in_floats(dtype)
         return (
             Links(part, own, _core.links(self._body, part, own, of_faces, with_between, in_floats, None))
@@ -728,7 +727,7 @@ class Transform(WithFields):
     ) -> LinkPlan:
         """Prepares the links of a grid for runs that write at most `room` rows into memory of the device, without
         blocking. Options: as of links(). The links are found now and at each update, on a GPU by kernels."""
-        own = directions_of(directions)
+        grid, own = grid_of(grid), directions_of(directions)
         with shown(progress) as show:
             plan = _core.plan_of_links(self._body, grid, own, room, is_of_faces(hits), with_between, show)
             return LinkPlan(plan)
@@ -737,11 +736,12 @@ class Transform(WithFields):
         self, grid: Grid, directions: DirectionsLike = "D3Q19", *, hits: str = "walls", with_between: bool = False
     ) -> int:
         """How many links links() would give."""
-        return _core.count_links(self._body, grid, directions_of(directions), is_of_faces(hits), with_between, None)
+        return _core.count_links(self._body, grid_of(grid), directions_of(directions), is_of_faces(hits), with_between, None)
 
     def crossings(self, grid: Grid, *, counts: bool = False, progress: Progress = None) -> Crossings:
         """Where the edges of a grid between neighbouring samples meet walls, along x, y and z. counts: the number of
         walls on each edge, too."""
+        grid = grid_of(grid)
         if progress is None:
             return Crossings(grid, _core.crossings(self._body, grid, counts, None))
         with shown(progress) as show:
@@ -785,7 +785,7 @@ class Transform(WithFields):
         numbers = np.empty(count, np.uint32) if counts else None
         with shown(progress) as show:
             self._body.rays(
-                from_points, along, hits, limit_of(limit), components, t, triangle, numbers, None, show,
+                from_points, along, hits, limit_of(limit, "limit", "lengths of the direction"), components, t, triangle, numbers, None, show,
                 refuse_unusable_points,
             )
         of_hits = shape if most is None else (*shape, components)
@@ -805,7 +805,7 @@ class Transform(WithFields):
         found = np.empty(_cuda.shape_of(from_points)[0], np.uint8)
         with shown(progress) as show:
             self._body.rays(
-                from_points, along, hits, limit_of(limit), 1, None, None, None, found, show, refuse_unusable_points
+                from_points, along, hits, limit_of(limit, "limit", "lengths of the direction"), 1, None, None, None, found, show, refuse_unusable_points
             )
         return _number_or_array(found.view(np.bool_).reshape(shape))
 
@@ -835,9 +835,13 @@ class Transform(WithFields):
         Gradients of a part that has moved raise clsdf.Error (unsupported) if motions by the margin can turn the mesh
         inside out."""
         plain = [_plain(region) for region in ([regions] if isinstance(regions, Region) else regions)]
+        try:
+            margin = float(margin)
+        except (TypeError, ValueError):
+            raise Error(f"margin: {margin!r} is no number; write how far a vertex may move, or 0") from None
         with self._moves:
             part = Transform.__new__(Transform)
-            part._body, part.mesh_name = self._body.restrict_to(plain, float(margin)), self.mesh_name
+            part._body, part.mesh_name = self._body.restrict_to(plain, margin), self.mesh_name
             if self._made_of[5] == "outer":  # which has no bytes
                 part._keep(self._made_of)
                 part._positions, part._motion = self._positions, self._motion

@@ -586,6 +586,9 @@ def test_a_part_travels_as_bytes(body, points):
         assert np.array_equal(again.query(inside, within=0.2).distance, expected.distance)
         assert again.sign == part.sign and again.topology.closed and np.array_equal(again.box, body.box)
         assert again.part_bytes() == data
+        assert np.array_equal(again.contains(inside), body.contains(inside))
+    with pytest.raises(clsdf.Error, match="margin: 'wide' is no number"):
+        body.restrict_to(clsdf.Region((0, -1, -1), (1.5, 1, 1), half_width=0.2, spacing=0.1), margin="wide")
     with pytest.raises(clsdf.Error, match="restrict it first") as error:
         body.part_bytes()
     assert error.value.code == "unsupported"

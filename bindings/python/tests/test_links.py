@@ -66,8 +66,13 @@ def test_crossings_are_coordinates(box):
 
 
 def test_errors_name_what_is_wrong(box):
-    for directions, words in [("D3Q20", "D3Q20"), ([(17, 0, 0)], "16"), ([(0.5, 0, 0)], "whole"), ([(1, 0)], "shape")]:
+    for directions, words in [("D3Q20", "D3Q20"), ([(1, 0, 0), (0, 1)], "three whole"), ([(17, 0, 0)], "16"), ([(0.5, 0, 0)], "whole"), ([(1, 0)], "shape")]:
         with pytest.raises(clsdf.Error, match=words):
             box.links(GRID, directions)
     with pytest.raises(clsdf.Error, match="walls"):
         box.links(GRID, hits="corners")
+    for call in (box.links, box.crossings, box.count_links):
+        with pytest.raises(clsdf.Error, match="grid: 8 is no clsdf.Grid"):
+            call(8)
+    with pytest.raises(clsdf.Error, match="limit: .* lengths of the direction"):
+        box.rays([(0, 0, 0)], [(1, 0, 0)], limit=np.array([1, 2]))

@@ -1,5 +1,6 @@
 """Scenes: many bodies with poses."""
 
+import pickle
 import threading
 
 import clsdf
@@ -181,7 +182,7 @@ POINT = [(0.0, 0.0, 3.0)]
         (lambda s: s.add_instance(7), "no body 7"),
         (lambda s: s.add_instance(-1), "no body -1: the scene has 2"),
         (lambda s: s.add_instance("a"), "no whole number"),
-        (lambda s: s.add(cube(1), pose=np.eye(3)), r"shape \(1, 3, 3\)"),
+        (lambda s: s.add(cube(1), pose=np.eye(3)), r"pose has the shape \(3, 3\)"),
         (lambda s: s.add(cube(1), sign="below"), "below"),
         (lambda s: s.add(cube(1), sign="what"), "sign 'what' is not known"),
         (lambda s: s.add(np.empty((0, 3)), np.empty((0, 3), int)), "there is no triangle"),
@@ -194,6 +195,9 @@ POINT = [(0.0, 0.0, 3.0)]
         (lambda s: s.query_pairs(POINT, [(1, 0)]), "pair 0 names point 1"),
         (lambda s: s.query_pairs(POINT, [(0, 2)]), "pair 0 names body 2"),
         (lambda s: s.query_pairs(POINT, [(0.5, 0)]), "whole numbers"),
+        (lambda s: s.query_each(POINT, bodies=[9]), "no body 9; the scene has 2"),
+        (lambda s: s.query_poses(POINT, np.ones((3, 2, 4, 4))), "last row of body 0 in configuration 0"),
+        (pickle.dumps, "add its meshes again"),
         (lambda s: s.query_pairs(POINT, [(-1, 0)]), "count from 0"),
         (lambda s: s.query([(np.nan, 0, 0)], refuse_unusable_points=True), "not finite"),
     ],
@@ -204,6 +208,7 @@ def test_what_is_wrong_is_named_and_changes_nothing(call, message):
     scene.add_instance(0, pose_of(np.eye(3), (8, 0, 0)))
     with pytest.raises(clsdf.Error, match=message):
         call(scene)
+    assert np.array_equal(scene.box, [(-1, -1, -1), (9, 1, 1)])
     assert len(scene) == 2 and scene.query(POINT).distance == 2 and scene.query([(8, 0, 3)]).distance == 2
 
 

@@ -125,13 +125,6 @@ std::string warning_of_parts(const Topology& topology) {
             topology.inward_parts, topology.parts, topology.inward_parts == 1 ? "looks" : "look",
             topology.inward_parts == 1 ? "is" : "are", topology.inward_parts == 1 ? "this part" : "these parts",
             topology.inward_parts == 1 ? "that of" : "the first is that of", topology.first_inward_face));
-    if (topology.nested_parts > 0)
-        sentences.add(fmt::format(
-            "{} of {} parts {} within others and {} the same way, so {} no cavity (that of triangle {}{}): the sign "
-            "rule parity makes cavities of such parts, and so do faces that look inwards",
-            topology.nested_parts, topology.parts, topology.nested_parts == 1 ? "lies" : "lie",
-            topology.nested_parts == 1 ? "looks" : "look", topology.nested_parts == 1 ? "it is" : "they are",
-            topology.first_nested_face, topology.nested_parts == 1 ? "" : " is the first"));
     if (topology.overlapping_parts > 0)
         sentences.add(fmt::format(
             "{} of {} parts {} partly within others, and the distance is that to all faces, also to those within: "
@@ -139,6 +132,13 @@ std::string warning_of_parts(const Topology& topology) {
             "triangle {})",
             topology.overlapping_parts, topology.parts, topology.overlapping_parts == 1 ? "is" : "are",
             topology.first_overlapping_face));
+    if (topology.nested_parts > 0)
+        sentences.add(fmt::format(
+            "{} of {} parts {} within others and {} the same way, so {} no cavity (that of triangle {}{}): the sign "
+            "rule parity makes cavities of such parts, and so do faces that look inwards",
+            topology.nested_parts, topology.parts, topology.nested_parts == 1 ? "lies" : "lie",
+            topology.nested_parts == 1 ? "looks" : "look", topology.nested_parts == 1 ? "it is" : "they are",
+            topology.first_nested_face, topology.nested_parts == 1 ? "" : " is the first"));
     return sentences.text();
 }
 

@@ -9,12 +9,17 @@
 
 #include <algorithm>
 #include <cstddef>  // also for __GLIBC__
+#include <cstdint>
 #include <utility>
 
 namespace clsdf {
 
 /// Indices that are about ten microseconds of work, if each takes 20 nanoseconds.
 inline constexpr std::size_t usual_grain = 512;
+
+/// All threads of a loop have the floating-point environment of the thread that begins it, see DefaultFloatingPoint.
+inline constexpr std::uintptr_t loop_traits =
+    tbb::task_group_context::default_traits | tbb::task_group_context::fp_settings;
 
 /// Calls f(begin, end) for ranges that cover [0, count), on all cores. Ranges of `grain` indices are not divided. f
 /// must write only elements of its own indices; then results are the same for any number of threads. A thread that
@@ -27,7 +32,7 @@ void for_each_range(std::size_t count, const Function& f, std::size_t grain = us
         return;
     }
     tbb::this_task_arena::isolate([&] {
-        tbb::task_group_context own(tbb::task_group_context::isolated);
+        tbb::task_group_context own(tbb::task_group_context::isolated, loop_traits);
         tbb::parallel_for(
             tbb::blocked_range<std::size_t>(0, count, grain),
             [&f](const tbb::blocked_range<std::size_t>& range) { f(range.begin(), range.end()); }, own);
@@ -50,7 +55,7 @@ void for_each_index(std::size_t count, const Function& f, std::size_t grain = us
 template <typename Part, typename Function, typename Join>
 Part reduce_ranges(std::size_t count, std::size_t grain, const Part& none, const Function& f, const Join& join) {
     return tbb::this_task_arena::isolate([&] {
-        tbb::task_group_context own(tbb::task_group_context::isolated);
+        tbb::task_group_context own(tbb::task_group_context::isolated, loop_traits);
         return tbb::parallel_deterministic_reduce(
             tbb::blocked_range<std::size_t>(0, count, grain), none,
             [&f](const tbb::blocked_range<std::size_t>& range, Part part) {
@@ -91,7 +96,7 @@ void for_each_chunk(std::size_t count, std::size_t size, const Function& f) {
 template <typename Help, typename Function>
 void with_helpers(std::size_t count, const Help& help, const Function& f) {
     tbb::this_task_arena::isolate([&] {
-        tbb::task_group_context own(tbb::task_group_context::isolated);
+        tbb::task_group_context own(tbb::task_group_context::isolated, loop_traits);
         tbb::task_group group(own);
         for (std::size_t i = 0; i < count; ++i) group.run(help);
         try {

@@ -10,6 +10,7 @@
 #include <clsdf/error.hpp>
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
+#include <clsdf/fractions.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/link_plan.hpp>
 #include <clsdf/mesh.hpp>

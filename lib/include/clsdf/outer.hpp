@@ -38,8 +38,8 @@ struct OuterSurface {
 ///
 /// sign: automatic, nonzero or parity. Throws the errors of resolve_sign_rule(); Error(invalid_mesh) if nothing is
 /// inside; Error(unsupported) for the other rules, and for automatic if the mesh has none of these two:
-/// close_down() closes a terrain, and weld() seams. Of `call`, should_stop counts, and log, which gets the warning of
-/// resolve_sign_rule().
+/// close_down() closes a terrain, and weld() seams; Error(out_of_memory). Of `call`, should_stop counts, and log, which
+/// gets the warning of resolve_sign_rule().
 CLSDF_EXPORT OuterSurface outer(const Mesh& mesh, SignRule sign = SignRule::automatic, const CallOptions& call = {});
 
 }  // namespace clsdf

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -95,27 +96,30 @@ struct CellArray {
     const char* type;
     std::size_t components;
     std::size_t width;  ///< bytes of a number
-    std::vector<std::byte> bytes{};
+    std::function<std::vector<std::byte>()> make;
 };
 
-/// Arrays of values that the cells have which the surface does not meet, with the rows put in.
+/// An array of values that the cells have which the surface does not meet, with the rows put in. It is made when it is
+/// written.
 template <typename Value, typename Uncut, typename Cut>
-CellArray cell_array(const Fractions& found, const char* name, const char* type, std::size_t components,
-                     const Uncut& uncut, const Cut& cut) {
-    const auto [nx, ny, nz] = found.counts();
-    CellArray array{name, type, components, sizeof(Value)};
-    array.bytes.resize(nx * ny * nz * components * sizeof(Value));
-    const auto put = [&](std::size_t cell, std::size_t component, Value value) {
-        std::memcpy(array.bytes.data() + (cell * components + component) * sizeof value, &value, sizeof value);
+CellArray cell_array(const Fractions& found, const char* name, const char* type, std::size_t components, Uncut uncut,
+                     Cut cut) {
+    const auto make = [&found, components, uncut, cut] {
+        const auto [nx, ny, nz] = found.counts();
+        std::vector<std::byte> bytes(nx * ny * nz * components * sizeof(Value));
+        const auto put = [&](std::size_t cell, std::size_t component, Value value) {
+            std::memcpy(bytes.data() + (cell * components + component) * sizeof value, &value, sizeof value);
+        };
+        for (std::size_t cell = 0; cell < nx * ny * nz; ++cell)
+            for (std::size_t n = 0; n < components; ++n) put(cell, n, uncut(cell, n));
+        for (const CellFraction& row : found.cells) {
+            std::array<std::size_t, 3> at{};
+            for (std::size_t d = 0; d < 3; ++d) at[d] = static_cast<std::size_t>(row.cell[d] - found.grid.first[d]);
+            for (std::size_t n = 0; n < components; ++n) put((at[2] * ny + at[1]) * nx + at[0], n, cut(row, n));
+        }
+        return bytes;
     };
-    for (std::size_t cell = 0; cell < nx * ny * nz; ++cell)
-        for (std::size_t n = 0; n < components; ++n) put(cell, n, uncut(cell, n));
-    for (const CellFraction& row : found.cells) {
-        std::array<std::size_t, 3> at{};
-        for (std::size_t d = 0; d < 3; ++d) at[d] = static_cast<std::size_t>(row.cell[d] - found.grid.first[d]);
-        for (std::size_t n = 0; n < components; ++n) put((at[2] * ny + at[1]) * nx + at[0], n, cut(row, n));
-    }
-    return array;
+    return {name, type, components, sizeof(Value), make};
 }
 
 void write_vti(const Fractions& found, const std::string& path) {
@@ -164,21 +168,23 @@ void write_vti(const Fractions& found, const std::string& path) {
         "  <ImageData WholeExtent=\"{0}\" Origin=\"{1} {2} {3}\" Spacing=\"{4} {5} {6}\">\n"
         "    <Piece Extent=\"{0}\">\n      <CellData Scalars=\"volume\">\n",
         extent, origin[0], origin[1], origin[2], spacing[0], spacing[1], spacing[2]);
+    const std::uint64_t cells = counts[0] * counts[1] * counts[2];
     std::uint64_t offset = 0;
     for (const CellArray& array : arrays) {
         text += fmt::format(
             "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
             "offset=\"{}\"/>\n",
             array.type, array.name, array.components, offset);
-        offset += sizeof offset + array.bytes.size();
+        offset += sizeof offset + cells * array.components * array.width;
     }
     text += "      </CellData>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_";
     AtomicFile file(path);
     file.write(text);
     for (const CellArray& array : arrays) {
-        const std::uint64_t size = array.bytes.size();
+        const std::vector<std::byte> bytes = array.make();
+        const std::uint64_t size = bytes.size();
         write_little_endian(file, std::as_bytes(std::span(&size, 1)), sizeof size);
-        write_little_endian(file, array.bytes, array.width);
+        write_little_endian(file, bytes, array.width);
     }
     file.write(std::string("\n  </AppendedData>\n</VTKFile>\n"));
     file.commit();
