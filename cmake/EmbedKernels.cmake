@@ -1,7 +1,10 @@
 # The kernels of the core, a folder for each stage, in an order in which a folder includes files of the folders before it. A
 # file's name is unique among them: kernels and the host include it by its name alone.
-set(CLSDF_KERNEL_FOLDERS common topology frusta tree lists sign finish bricks targets points segments)
+set(CLSDF_KERNEL_FOLDERS common topology frusta tree lists sign finish bricks cutting targets points segments)
 list(TRANSFORM CLSDF_KERNEL_FOLDERS PREPEND ${PROJECT_SOURCE_DIR}/kernels/)
+# Those whose headers the host includes outside their own layer, too.
+set(CLSDF_SHARED_KERNEL_FOLDERS ${CLSDF_KERNEL_FOLDERS})
+list(FILTER CLSDF_SHARED_KERNEL_FOLDERS EXCLUDE REGEX "/cutting$")
 
 # clsdf_embed_kernels(<target> <file>...): the kernels' sources become strings of the library, so that nothing is looked
 # for at run time: clsdf::kernels::files in its "kernel_sources.hpp", a table of file names and texts.

@@ -92,6 +92,6 @@ function(clsdf_internals target)
   endif()
   get_target_property(folders clsdf CLSDF_PART_FOLDERS)
   target_include_directories(
-    ${internals} INTERFACE ${PROJECT_SOURCE_DIR}/lib ${folders} ${CLSDF_KERNEL_FOLDERS} ${arg_FOLDERS}
+    ${internals} INTERFACE ${PROJECT_SOURCE_DIR}/lib ${folders} ${CLSDF_SHARED_KERNEL_FOLDERS} ${arg_FOLDERS}
                            $<TARGET_PROPERTY:clsdf_foundations,CLSDF_KERNEL_SOURCES>)
 endfunction()

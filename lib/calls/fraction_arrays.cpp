@@ -3,8 +3,11 @@
 #include <clsdf/error.hpp>
 #include <clsdf/fractions.hpp>
 
+#include "calls/fraction_calls.hpp"
+#include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "core/vectors.hpp"
+#include "cutting/fraction_checks.hpp"
 #include "device/context.hpp"
 #include "device/opencl.hpp"
 #include "segments/result_arrays.hpp"
@@ -243,11 +246,7 @@ public:
     void require_room(std::size_t rows) {
         bool has_rows = false;
         for (const ResultArray* const one : all()) has_rows = has_rows || (one != &full_ && one->is_given());
-        if (rows > room_ && (has_rows || !full_.is_given()))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the surface meets {} cells, and the arrays have room for {}; give them room for "
-                                    "as many",
-                                    rows, room_));
+        if (rows > room_ && (has_rows || !full_.is_given())) throw calls::too_little_room(rows, room_);
     }
     void set_mapped(const targets::MappedMemory& memory) {
         for (ResultArray* const one : all()) one->set_mapped(memory);
@@ -353,6 +352,13 @@ void fractions(const Device& device, const OuterSurface& surface, std::span<cons
 
 void fractions(const Device& device, const OuterSurface& surface, const Grid& grid, const FractionRows& rows,
                std::size_t& count, const FractionOptions& options, const CallOptions& call) {
+    count = 0;
+    cutting::check_cells(grid);
+    if (calls::are_found_by_kernels(device, surface, grid, rows)) {
+        with_host_memory("for the cells of the grid; give a smaller one",
+                         [&] { calls::fractions_by_kernels(device, surface, grid, rows, count, options, call); });
+        return;
+    }
     Memory memory(std::in_place, device::context_of(device));
     device::guarded([&] { write_rows(memory, surface, grid, rows, count, options, call); });
 }

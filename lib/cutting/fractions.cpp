@@ -6,6 +6,7 @@
 #include "core/parallel.hpp"
 #include "cutting/cancellation.hpp"
 #include "cutting/cut_slab.hpp"
+#include "cutting/fraction_checks.hpp"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -29,41 +30,10 @@ namespace {
 
 using cutting::Cancellation;
 using cutting::CellRange;
-using cutting::CutCell;
 using cutting::Slab;
 
-void check(const Grid& grid) {
-    grid.validate();
-    constexpr std::int64_t farthest = std::numeric_limits<std::int32_t>::max();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (grid.size[axis] < 2)
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("the grid has {} sample along {}, so no cells: give two samples or more on each axis",
-                            grid.size[axis], "xyz"[axis]));
-        const std::int64_t first = grid.first[axis], last = first + grid.size[axis] - 1;
-        if (first < -farthest || last > farthest)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the grid's samples {} to {} along {} lie beyond 2^31 - 1 samples from its origin, "
-                                    "and cells are numbered from there; move the origin nearer",
-                                    first, last, "xyz"[axis]));
-    }
-}
-
-void check(const FractionOptions& options) {
-    if (!(options.snap >= 0 && options.snap <= 1e-3))
-        throw Error(ErrorCode::invalid_argument, fmt::format("snap is {}; it is in cells, 0 to 0.001", options.snap));
-}
-
-/// In cells: a place there is a whole number.
-constexpr double farthest_vertex = 0x1p53;
-
-[[noreturn]] void throw_too_far(const Mesh& mesh, std::size_t vertex, std::size_t axis, double cells) {
-    throw Error(
-        ErrorCode::invalid_argument,
-        fmt::format("{}: vertex {} lies {:g} cells along {} from the grid's origin, and beyond 2^53 a cell has no "
-                    "place within; choose a larger spacing, or an origin near the mesh",
-                    mesh.name(), vertex, cells, "xyz"[axis]));
+double place_of(const Vec3& vertex, const Grid& lattice, std::size_t axis) {
+    return (vertex[axis] - lattice.origin[axis]) / lattice.spacing[axis];
 }
 
 /// Slabs one after another, counted on the lattice.
@@ -100,22 +70,25 @@ public:
         // In cells of the lattice, so that a part has the bytes of the whole.
         for_each_index(positions_.size(), [&](std::size_t v) {
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double position = (mesh.vertices()[v][axis] - origin_[axis]) / spacing_[axis];
+                const double position = place_of(mesh.vertices()[v], lattice, axis);
                 const double plane = std::nearbyint(position);
                 positions_[v][axis] = std::abs(position - plane) <= options.snap ? plane : position;
             }
         });
-        for (std::size_t v = 0; v < positions_.size(); ++v)
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                if (!(std::abs(positions_[v][axis]) <= farthest_vertex))
-                    throw_too_far(mesh, v, axis, positions_[v][axis]);
+        for (const Vec3& position : positions_)
+            for (const double x : position)
+                if (!(std::abs(x) <= CLSDF_FARTHEST_VERTEX)) cutting::refuse_far_vertices(mesh, lattice);
         for (std::uint32_t face = 0; face < triangles_.size(); ++face) {
             const auto& [a, b, c] = triangles_[face];
             auto [least, most] = std::minmax({positions_[a][2], positions_[b][2], positions_[c][2]});
-            if (least == most && cutting::moved_axis({positions_[a], positions_[b], positions_[c]}, options.walls) == 2)
-                --least;
+            if (least == most) {
+                const std::array corners{cutting::cut_point(positions_[a]), cutting::cut_point(positions_[b]),
+                                         cutting::cut_point(positions_[c])};
+                if (cutting::moved_axis(corners.data(), static_cast<int>(options.walls)) == 2) --least;
+            }
             for (Part& part : parts_) {
-                const CellRange range(least, most, part.first, static_cast<std::int64_t>(part.faces.size()));
+                const CellRange range =
+                    cutting::cells_between(least, most, part.first, static_cast<std::int64_t>(part.faces.size()));
                 for (std::int64_t k = range.low; k <= range.high; ++k)
                     part.faces[static_cast<std::size_t>(k)].push_back(face);
             }
@@ -164,61 +137,6 @@ private:
     std::span<const Grid> grids_;
     const FractionOptions& options_;
     std::vector<std::unique_ptr<OnLattice>> known_;
-};
-
-/// A cell's numbers in the way that is asked for.
-class Convention {
-public:
-    Convention(const FractionOptions& options, const Grid& grid) : options_(options), grid_(grid) {}
-
-    CellFraction row(const CutCell& cut) const {
-        CellFraction row;
-        row.cell = cut.cell;
-        row.pieces = cut.pieces;
-        row.volume = part(cut.volume);
-        for (std::size_t d = 0; d < 3; ++d) {
-            row.centroid[d] = centroid(row.volume, cut.moment[d], cut.cell, d);
-            row.surface_centroid[d] = point(cut.surface_centroid[d], cut.cell, d);
-            for (std::size_t face = 2 * d; face < 2 * d + 2; ++face) {
-                row.face_fractions[face] = part(cut.face_fractions[face]);
-                for (std::size_t n = 0; n < 2; ++n)
-                    row.face_centroids[face][n] =
-                        centroid(row.face_fractions[face], cut.face_moments[face][n], cut.cell, n < d ? n : n + 1);
-            }
-        }
-        row.area = cut.area;
-        row.vector_area = cut.vector_area;
-        if (options_.normals_into_solid)
-            for (double& x : row.vector_area) x = -x;
-        if (options_.areas_of_faces) {
-            const double whole = length(row.vector_area);
-            Vec3 of_faces;
-            for (std::size_t d = 0; d < 3; ++d)
-                of_faces[d] = row.vector_area[d] * grid_.spacing[(d + 1) % 3] * grid_.spacing[(d + 2) % 3];
-            const double scale = whole > 0 ? whole / length(of_faces) : 0;
-            for (double& x : row.vector_area) x *= scale;
-            row.area = whole * scale;
-        }
-        return row;
-    }
-
-    /// Of the solid.
-    CellType type_of_full() const { return options_.part == CellPart::solid ? CellType::full : CellType::empty; }
-
-private:
-    double part(double solid) const { return options_.part == CellPart::solid ? solid : 1 - solid; }
-    double centroid(double size, double moment, const std::array<std::int32_t, 3>& cell, std::size_t axis) const {
-        // The moments of both parts, from the middle, add up to 0.
-        if (options_.part == CellPart::fluid) moment = -moment;
-        return point(size > 0 ? std::clamp(moment / size, -0.5, 0.5) : 0, cell, axis);
-    }
-    double point(double from_middle, const std::array<std::int32_t, 3>& cell, std::size_t axis) const {
-        if (!options_.centroids_as_points) return from_middle;
-        return grid_.origin[axis] + grid_.spacing[axis] * (cell[axis] + (0.5 + from_middle));
-    }
-
-    const FractionOptions& options_;
-    const Grid& grid_;
 };
 
 /// Grids that are computed at once.
@@ -272,14 +190,13 @@ private:
     struct Worker {
         const Grid* grid = nullptr;
         std::unique_ptr<Slab> slab;
-        std::vector<CutCell> rows;
+        std::vector<CellFraction> rows;
         std::vector<CellType> types;
     };
 
     void run(OneSlab& one, Worker& worker) const {
         const Grid& grid = *one.grid;
         const auto cells = static_cast<std::size_t>((grid.size[0] - 1) * (grid.size[1] - 1));
-        const Convention convention(options_, grid);
         // In whole bytes of bits; cells of other slabs are never full.
         const std::size_t shift = static_cast<std::size_t>(one.k) * cells % 8;
         one.full.resize((shift + cells + 7) / 8);
@@ -289,15 +206,14 @@ private:
             std::ranges::fill(types, CellType::empty);
         } else {
             if (worker.grid != one.grid)
-                worker.slab =
-                    std::make_unique<Slab>(one.lattice->triangles(), one.lattice->positions(), grid, options_.walls);
+                worker.slab = std::make_unique<Slab>(one.lattice->triangles(), one.lattice->positions(),
+                                                     cutting::cut_grid_of(grid, options_));
             worker.grid = one.grid;
             worker.rows.clear();
             worker.slab->run(one.k, faces, worker.rows, types);
-            one.rows.reserve(worker.rows.size());
-            for (const CutCell& row : worker.rows) one.rows.push_back(convention.row(row));
+            one.rows = worker.rows;
         }
-        const CellType wanted = convention.type_of_full();
+        const CellType wanted = options_.part == CellPart::solid ? CellType::full : CellType::empty;
         for (std::size_t byte = 0; byte < one.full.size(); ++byte) {
             unsigned bits = 0;
             for (std::size_t bit = 0; bit < 8; ++bit) bits |= (worker.types[8 * byte + bit] == wanted ? 1U : 0U) << bit;
@@ -331,6 +247,41 @@ constexpr std::int64_t least_layers = 16;
 
 }  // namespace
 
+void cutting::check_cells(const Grid& grid) {
+    grid.validate();
+    constexpr std::int64_t farthest = std::numeric_limits<std::int32_t>::max();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (grid.size[axis] < 2)
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("the grid has {} sample along {}, so no cells: give two samples or more on each axis",
+                            grid.size[axis], "xyz"[axis]));
+        const std::int64_t first = grid.first[axis], last = first + grid.size[axis] - 1;
+        if (first < -farthest || last > farthest)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the grid's samples {} to {} along {} lie beyond 2^31 - 1 samples from its origin, "
+                                    "and cells are numbered from there; move the origin nearer",
+                                    first, last, "xyz"[axis]));
+    }
+}
+
+void cutting::check_options(const FractionOptions& options) {
+    if (!(options.snap >= 0 && options.snap <= 1e-3))
+        throw Error(ErrorCode::invalid_argument, fmt::format("snap is {}; it is in cells, 0 to 0.001", options.snap));
+}
+
+void cutting::refuse_far_vertices(const Mesh& mesh, const Grid& grid) {
+    for (std::size_t v = 0;; ++v)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (const double cells = place_of(mesh.vertices()[v], grid, axis);
+                !(std::abs(cells) <= CLSDF_FARTHEST_VERTEX))
+                throw Error(
+                    ErrorCode::invalid_argument,
+                    fmt::format("{}: vertex {} lies {:g} cells along {} from the grid's origin, and beyond 2^53 a cell "
+                                "has no place within; choose a larger spacing, or an origin near the mesh",
+                                mesh.name(), v, cells, "xyz"[axis]));
+}
+
 FractionOptions FractionOptions::of(std::string_view convention) {
     FractionOptions options;
     if (convention == "plain") return options;
@@ -351,8 +302,8 @@ FractionOptions FractionOptions::of(std::string_view convention) {
 
 void fractions(const OuterSurface& surface, std::span<const Grid> grids, const FractionSink& sink,
                const FractionOptions& options, const CallOptions& call) {
-    check(options);
-    for (const Grid& grid : grids) check(grid);
+    cutting::check_options(options);
+    for (const Grid& grid : grids) cutting::check_cells(grid);
     if (!sink) throw Error(ErrorCode::invalid_argument, "fractions of cells need a sink, and it is empty");
     with_host_memory("for the cells of the grids; give smaller ones, or take slabs (fraction_slabs())", [&] {
         const Cancellation cancellation(call.should_stop, "the search for cut cells");
@@ -385,7 +336,7 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
 
 void fraction_slabs(const OuterSurface& surface, const Grid& grid, const FractionSink& sink,
                     const FractionOptions& options, const CallOptions& call) {
-    check(grid);
+    cutting::check_cells(grid);
     const auto [nx, ny, nz] = grid.size;
     const std::int64_t layers = std::max(least_layers, batch_cells / ((nx - 1) * (ny - 1)));
     std::vector<Grid> slabs;
@@ -412,8 +363,8 @@ Fractions fractions(const OuterSurface& surface, const Grid& grid, const Fractio
 
 Fractions fractions(const Mesh& mesh, const Grid& grid, const FractionOptions& options, SignRule sign,
                     const CallOptions& call) {
-    check(options);
-    check(grid);
+    cutting::check_options(options);
+    cutting::check_cells(grid);
     return fractions(outer(mesh, sign, call), grid, options, call);
 }
 

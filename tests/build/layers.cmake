@@ -56,7 +56,7 @@ string(REGEX REPLACE "^set\\(CLSDF_KERNEL_FOLDERS (.*)\\)$" "\\1" kernel_folders
 separate_arguments(kernel_folders)
 set(stages ${folders})
 list(TRANSFORM stages REPLACE ".*/" "")
-list(FILTER stages INCLUDE REGEX "^(topology|frusta|tree|lists|sign|finish|bricks|targets|points|segments)$")
+list(FILTER stages INCLUDE REGEX "^(topology|frusta|tree|lists|sign|finish|bricks|cutting|targets|points|segments)$")
 if(NOT "common;${stages}" STREQUAL "${kernel_folders}")
   message(SEND_ERROR "the folders of kernels are ${kernel_folders}; by the order of lib they would be common;${stages}")
 endif()
@@ -77,7 +77,7 @@ list(APPEND known ${public_headers})
 # which the core does not include. Each is in one of the lists.
 set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hpp fractions.hpp grid.hpp mesh.hpp outer.hpp output_table.h outputs.hpp
                    segments.hpp sparse.hpp topology.hpp tuning.hpp turn_to_compile.hpp version.hpp)
-set(face_of_plans link_plan.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
+set(face_of_plans fraction_plan.hpp link_plan.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
 set(face clsdf.hpp distance_transform.hpp scene.hpp)
 set(beside cuda.hpp eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp part_files.hpp picture.hpp reference.hpp)
 foreach(list public_of_core face_of_plans face beside)
@@ -109,12 +109,12 @@ foreach(folder ${folders})
   check_folder(${SOURCE}/lib/${folder})
 endforeach()
 
-# The engine's face: plans and calls include nothing else of it; calls also cut meshes. In plan/ are KeptMesh, which prepares a mesh for a grid,
+# The engine's face: plans and calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid,
 # and GridPlan, which plans and runs.
-set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh surface targets points scenes segments checks plans)
+set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh surface cutting targets points scenes segments checks plans)
 allow_kernels(targets)
 check_folder(${SOURCE}/lib/plans)
-list(APPEND allowed ${face} calls cutting)
+list(APPEND allowed ${face} calls)
 check_folder(${SOURCE}/lib/calls)
 
 # Tools for meshes, beside the core.

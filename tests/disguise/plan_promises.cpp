@@ -8,6 +8,9 @@
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
 
+#include <clsdf/fraction_plan.hpp>
+#include <clsdf/fractions.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -89,6 +92,30 @@ BOOST_AUTO_TEST_CASE(a_plan_of_a_sparse_field_neither_waits_nor_moves_what_it_ha
     check_nothing_moved();
     end.wait();
     BOOST_TEST((distance.read(device::context_of(test_device()).queue()) == bits_of(field.distance())));
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_of_fractions_neither_waits_nor_moves_what_it_has) {
+    const OuterSurface surface = outer(mesh());
+    const Fractions known = fractions(surface, grid());
+    const std::size_t rows = known.cells.size();
+    const DeviceMemory count(test_device().context(), sizeof(DeviceFractionCount) / sizeof(cl_uint)),
+        volumes(test_device().context(), rows), full(test_device().context(), grid().sample_count());
+    FractionRows targets;
+    targets.room = rows;
+    targets.volume = {volumes.handle(), ElementType::float32};
+    targets.full = {full.handle(), ElementType::uint8};
+    FractionPlan plan(test_device(), surface, grid(), rows);
+    disguise::restart();
+    plan.enqueue(nullptr, targets, {count.handle()});
+    cl::Event end;
+    plan.enqueue(nullptr, targets, {count.handle()}, {}, &end());
+    check_nothing_moved();
+    // 39 of the plan, with the sort of keys of 16 to 24 bits, 3 of the two arrays.
+    BOOST_TEST(disguise::counts().launches <= 2 * 42U);
+    end.wait();
+    std::vector<float> expected;
+    for (const CellFraction& cell : known.cells) expected.push_back(static_cast<float>(cell.volume));
+    BOOST_TEST((volumes.read(device::context_of(test_device()).queue()) == bits_of(expected)));
 }
 
 // Drivers that allocate a buffer at its first use would fail when a plan is enqueued.

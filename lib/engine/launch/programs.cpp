@@ -91,6 +91,8 @@ std::vector<ProgramSource> ProgramSources::every_source() const {
     CLSDF_PROGRAMS(ADD)
 #undef ADD
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
+    // Of cutting::DeviceFractions, whose options are those of all.
+    for (const char* const file : {"cut_cells.cl", "store_cells.cl"}) sources.push_back({file, common_options(1)});
     return sources;
 }
 

@@ -1,0 +1,178 @@
+#include "plans/fraction_plan_state.hpp"
+
+#include "cutting/fraction_checks.hpp"
+#include "mesh/input_arrays.hpp"
+#include "points/device_points.hpp"
+#include "segments/result_arrays.hpp"
+#include "targets/mapped_memory.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <initializer_list>
+#include <utility>
+
+namespace clsdf::plans {
+
+namespace {
+
+using cutting::StoredNumbers;
+using segments::ResultArray;
+
+/// The members of rows, but for `full`.
+std::array<const OutputArray*, 9> members_of(const FractionRows& rows) {
+    return {&rows.cells,       &rows.pieces,           &rows.volume,         &rows.centroid,      &rows.area,
+            &rows.vector_area, &rows.surface_centroid, &rows.face_fractions, &rows.face_centroids};
+}
+
+bool is_on_host(const OutputArray& array) {
+    return array.is_given() && array.device == nullptr;
+}
+
+cutting::StoredCells stored(const ResultArray& array, std::size_t member, cutting::StoredNumbers numbers) {
+    const targets::ItemPlace place = array.place();
+    return {place.memory, place.first, place.strides[0], place.component_stride, static_cast<int>(place.components),
+            member,       numbers};
+}
+
+}  // namespace
+
+bool has_rows(const FractionRows& rows) {
+    return std::ranges::any_of(members_of(rows), [](const OutputArray* array) { return array->is_given(); });
+}
+
+bool are_on_device(const FractionRows& rows) {
+    return !is_on_host(rows.full) &&
+           std::ranges::none_of(members_of(rows), [](const OutputArray* array) { return is_on_host(*array); });
+}
+
+StoredRows::StoredRows(const FractionRows& rows, const Grid& grid, const device::Context& context)
+    : has_pieces(rows.pieces.is_given()) {
+    using enum ElementType;
+    const auto array_of = [&](const OutputArray& array, const char* name, std::size_t items, std::size_t components,
+                              std::initializer_list<ElementType> types) {
+        ResultArray checked = ResultArray::on_device(array, name, {static_cast<std::int64_t>(items), 1, 1}, components,
+                                                     types, context, false);
+        if (checked.is_given() && items > 0) written.push_back(checked.written());
+        return checked;
+    };
+    const auto add = [&](const OutputArray& array, const char* name, std::size_t components, std::size_t member,
+                         std::initializer_list<ElementType> types = {float64, float32}) {
+        const ResultArray checked = array_of(array, name, rows.room, components, types);
+        const ElementType type = checked.type();
+        if (checked.is_given() && rows.room > 0)
+            members.push_back(stored(checked, member,
+                                     type == float64   ? StoredNumbers::doubles
+                                     : type == float32 ? StoredNumbers::floats
+                                                       : StoredNumbers::words));
+    };
+    add(rows.cells, "the array of cells", 3, offsetof(CellFraction, cell), {int32});
+    add(rows.pieces, "the array of pieces", 1, offsetof(CellFraction, pieces), {uint32, int32});
+    add(rows.volume, "the array of volumes", 1, offsetof(CellFraction, volume));
+    add(rows.centroid, "the array of centroids", 3, offsetof(CellFraction, centroid));
+    add(rows.area, "the array of areas", 1, offsetof(CellFraction, area));
+    add(rows.vector_area, "the array of vector areas", 3, offsetof(CellFraction, vector_area));
+    add(rows.surface_centroid, "the array of the surface's centroids", 3, offsetof(CellFraction, surface_centroid));
+    add(rows.face_fractions, "the array of fractions of faces", 6, offsetof(CellFraction, face_fractions));
+    add(rows.face_centroids, "the array of centroids of faces", 12, offsetof(CellFraction, face_centroids));
+    if (!rows.full.is_given()) return;
+    const auto [nx, ny, nz] = Fractions{grid, {}, {}}.counts();
+    full = stored(array_of(rows.full, "the array of full cells", nx * ny * nz, 1, {uint8}), 0, StoredNumbers::words);
+}
+
+void StoredRows::enqueue(const cutting::DeviceFractions& cuts, const engine::DeviceTools& tools,
+                         const engine::Launches& launches) const {
+    for (const cutting::StoredCells& member : members) cuts.enqueue_store(tools, launches, member);
+    if (full) cuts.enqueue_store_full(tools, launches, *full);
+}
+
+void FractionPlanState::make(const OuterSurface& surface, AskedFractions asked,
+                             const std::function<void(double)>& between) {
+    // What bodies that move need beside what they need now.
+    const auto with_slack = [](std::size_t count) { return count + count / 4 + 1024; };
+    update(std::move(asked), [&] {
+        const AskedFractions& now = this->asked();
+        cutting::check_cells(now.grid);
+        cutting::check_options(now.options);
+        if (!cutting::DeviceFractions::can_number(surface.mesh, now.grid))
+            throw Error(ErrorCode::unsupported,
+                        "32 bits cannot number the cells of the grid and their faces, or the triangles; plan a part of "
+                        "the grid");
+        context().begin_call();
+        PlannedFractions made;
+        context().run_or_drain([&] {
+            const engine::DeviceTools tools = this->tools();
+            made.vertices = device::uploaded(context(), pool, surface.mesh.vertices(), "vertices");
+            cutting::DeviceFractions& cuts = made.cuts.emplace(tools, surface.mesh, now.grid, now.options, true);
+            if (!cuts.run_and_make_room(tools, cutting::device_vertices(*made.vertices, cuts.vertex_count()), 0,
+                                        between))
+                cutting::refuse_far_vertices(surface.mesh, now.grid);
+            cuts.make_item_room(tools, with_slack(cuts.item_room()));
+            cuts.make_record_room(tools, with_slack(cuts.record_room()));
+            cuts.make_row_room(tools, now.room);
+            // Drivers may allocate a buffer when it is used first.
+            cuts.enqueue_all(tools, engine::Launches(tools.queue(), context().kernels()),
+                             cutting::device_vertices(*made.vertices, cuts.vertex_count()), now.room);
+            made.rows = cuts.read(tools).rows;
+        });
+        made_ = std::move(made);
+        pool->hand_back();
+        published = {};
+        published.device_bytes = made_.cuts->device_bytes() + made_.vertices.bytes();
+        failures = context().failures();
+    });
+}
+
+void FractionPlanState::enqueue(const RunOptions& options, const InputArray* vertices, const FractionRows& rows,
+                                const DeviceRange& count) {
+    require_whole();
+    if (rows.room > asked().room)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the arrays have room for {} cells, and the plan has room for {}; give that, or make "
+                                "the plan with more",
+                                rows.room, asked().room));
+    const device::Context& context = this->context();
+    cutting::DeviceFractions& cuts = *made_.cuts;
+    StoredRows stored(rows, asked().grid, context);
+    engine::DeviceTriples from = cutting::device_vertices(*made_.vertices, cuts.vertex_count());
+    if (vertices != nullptr) {
+        check_array(*vertices, ArrayKind::positions, "vertices", ErrorCode::invalid_argument);
+        if (vertices->count != cuts.vertex_count())
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("{} vertices are given, and the surface of the plan has {}; give as many, in its "
+                                    "order",
+                                    vertices->count, cuts.vertex_count()));
+        points::check_device_points(context, *vertices);
+        stored.written.push_back(points::array_of(*vertices));
+        from = cutting::given_vertices(*vertices);
+    }
+    cl::Buffer of_count;
+    if (count.memory != nullptr) {
+        of_count = targets::checked_range(context, count, sizeof(DeviceFractionCount), sizeof(std::uint64_t),
+                                          "the memory of the count");
+        const targets::BufferPlace begin = targets::place_of(count.memory, count.offset);
+        stored.written.push_back({.memory = begin.memory(),
+                                  .first = begin.byte,
+                                  .width = sizeof(DeviceFractionCount),
+                                  .name = "the memory of the count"});
+    }
+    targets::refuse_overlap(stored.written);
+    // Full cells alone need no room.
+    const std::size_t most = has_rows(rows) ? rows.room : rows.full.is_given() ? SIZE_MAX : asked().room;
+    run(options, [&](engine::CommandChain& chain) {
+        const engine::Launches launches(chain, context.kernels());
+        const engine::DeviceTools tools = this->tools();
+        cuts.enqueue_all(tools, launches, from, most);
+        stored.enqueue(cuts, tools, launches);
+        if (of_count() == nullptr) return;
+        chain.then([&](auto& queue, auto* wait, auto* event) {
+            queue.enqueueCopyBuffer(cuts.counts(), of_count, 0, count.offset, sizeof(DeviceFractionCount), wait, event);
+        });
+    });
+}
+
+}  // namespace clsdf::plans
