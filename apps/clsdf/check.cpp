@@ -139,6 +139,26 @@ struct Asked {
     }
 };
 
+/// The same with the outer surface of its mesh. Extra outputs tell faces as given.
+clsdf::Field make_outer(Asked& asked, clsdf::Field field) {
+    asked.bodies[0].mesh = clsdf::outer(asked.bodies[0].mesh, field.sign).mesh;
+    for (const clsdf::Output output : {clsdf::Output::triangle, clsdf::Output::site, clsdf::Output::barycentric})
+        field.resize(output, 0);
+    return field;
+}
+
+// Files do not say which surface was measured.
+std::string note_on_the_surface(Asked asked, const clsdf::Field& field, const clsdf::reference::CheckOptions& options) {
+    if (asked.is_scene || describe_topology(asked.bodies[0].mesh).overlapping_parts == 0) return {};
+    try {
+        const clsdf::Field of_outer = make_outer(asked, field);
+        if (!asked.check(of_outer, options).passed()) return {};
+    } catch (const clsdf::Error&) {
+        return {};  // it has no outer surface
+    }
+    return "the field has the distance to the outer surface: check it with --surface outer";
+}
+
 /// The mesh of a body where Scene::compute() has it.
 clsdf::Mesh placed(clsdf::Mesh mesh, const clsdf::Pose& pose) {
     const auto& [r, t] = pose;
@@ -201,12 +221,7 @@ ExitStatus run(const Options& options, Report& report) {
     if (field.sign == clsdf::SignRule::automatic && !asked.is_scene)
         field.sign = resolve_sign_rule(field.sign, describe_topology(asked.bodies[0].mesh)).rule;
 
-    if (is_outer) {
-        asked.bodies[0].mesh = clsdf::outer(asked.bodies[0].mesh, field.sign).mesh;
-        // They tell faces as given.
-        for (const clsdf::Output output : {clsdf::Output::triangle, clsdf::Output::site, clsdf::Output::barycentric})
-            field.resize(output, 0);
-    }
+    if (is_outer) field = make_outer(asked, std::move(field));
 
     clsdf::reference::CheckOptions check_options = options.check;
     if (options.complete) check_options.samples = 0;
@@ -216,6 +231,7 @@ ExitStatus run(const Options& options, Report& report) {
 
     std::string note = note_on_signs([&](const clsdf::Field& other) { return asked.check(other, check_options); },
                                      found, field, options.positive_inside);
+    if (note.empty() && !found.passed() && !is_outer) note = note_on_the_surface(asked, field, check_options);
     if (note.empty() && !found.passed()) note = note_on_the_mesh(meshes, field);
     if (note.empty()) note = note_on_the_band(found, field);
     if (!report.quiet || !found.passed()) print_human(found, field, is_negated, seconds.count());

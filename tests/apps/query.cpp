@@ -364,6 +364,12 @@ BOOST_AUTO_TEST_CASE(results_of_any_program_are_judged_at_their_points) {
     BOOST_TEST(judged({}).status == 1);
     BOOST_TEST(judged({"--surface", "outer"}).status == 0);
     check_refused(judged({"--surface", "outer", "--triangles", found}), 2, {"--triangles"});
+    const std::string field = inputs.folder.file("union.nrrd");
+    BOOST_TEST(
+        run_command({"compute", two, "-o", field, "--surface", "outer", "--resolution", "16", "--quiet"}).status == 0);
+    const Outcome without = run_command({"check", two, field});
+    BOOST_TEST(without.status == 1);
+    BOOST_TEST(without.out.find("check it with --surface outer") != std::string::npos, without.out);
     for (const char* option : {"--samples", "--seed", "--tolerance-voxels"})
         check_refused(judged({option, "7"}), 2, {option, "--points"});
     check_refused(judged({"--complete"}), 2, {"--complete", "--points"});
