@@ -117,7 +117,7 @@ std::string warning_of_polyhedra(const ComputeLayout& layout);
 std::string warning_of_narrow_band(const ComputeLayout& layout);
 std::string warning_of_memory(const ComputeLayout& layout);
 /// Refuses what needs more memory than the machine has, before the work. what: "the links of 9 x 9 x 9 samples".
-void require_memory(const ComputeOptions& options, double bytes, const std::string& what);
+void require_memory(double bytes, const std::string& what);
 /// A warning if the output's format cannot store the band.
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output);
 std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation);

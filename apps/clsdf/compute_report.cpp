@@ -224,12 +224,12 @@ std::string warning_of_narrow_band(const ComputeLayout& layout) {
         narrow / voxel);
 }
 
-void require_memory(const ComputeOptions& options, double bytes, const std::string& what) {
+void require_memory(double bytes, const std::string& what) {
     const std::uint64_t memory = physical_memory();
     if (memory > 0 && bytes > static_cast<double>(memory))
-        throw with_remedy(options, {clsdf::ErrorCode::out_of_memory,
-                                    fmt::format("{} take {} of memory, and this machine has {}", what,
-                                                human_bytes(bytes), human_bytes(static_cast<double>(memory)))});
+        throw clsdf::Error(clsdf::ErrorCode::out_of_memory,
+                           fmt::format("{} take {} of memory, and this machine has {}", what, human_bytes(bytes),
+                                       human_bytes(static_cast<double>(memory))));
 }
 
 std::string warning_of_memory(const ComputeLayout& layout) {

@@ -22,6 +22,7 @@ ExitStatus run(const CrossingsOptions& options, Report& report) {
         run_segments(options, report,
                      [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid,
                          const clsdf::CallOptions& call, clsdf::TransformStatistics& statistics) {
+                         require_memory_of_sides(grid);
                          require_sign(transform.sign(), transform.topology(), options.grid.mesh, options.grid.sign,
                                       "crossings need", "");
                          crossings = transform.crossings(grid, {.with_counts = options.counts}, call, &statistics);

@@ -35,14 +35,13 @@ clsdf::FractionOptions options_of(const FractionChoice& choice) {
     return options;
 }
 
-void require_memory_of_cells(const ComputeOptions& options, const clsdf::Grid& grid) {
+void require_memory_of_cells(const std::string& output, const clsdf::Grid& grid) {
     const auto cells = static_cast<double>(grid.size[0] - 1) * static_cast<double>(grid.size[1] - 1) *
                        static_cast<double>(grid.size[2] - 1);
     // A bit a cell, and the widest array of the file.
-    const double bytes_of_cell = 0.125 + (options.output.ends_with(".vti") ? 24 : 1);
-    require_memory(
-        options, cells * bytes_of_cell,
-        fmt::format("the fractions of {} x {} x {} cells", grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1));
+    const double bytes_of_cell = 0.125 + (output.ends_with(".vti") ? 24 : 1);
+    require_memory(cells * bytes_of_cell, fmt::format("the fractions of {} x {} x {} cells", grid.size[0] - 1,
+                                                      grid.size[1] - 1, grid.size[2] - 1));
 }
 
 ExitStatus run(const FractionChoice& choice, Report& report) {
@@ -63,7 +62,7 @@ ExitStatus run(const FractionChoice& choice, Report& report) {
             const clsdf::CallOptions call = watched_call(progress, report, interruption.token());
             outer = outer_of_files(own.mesh, own.reading, own.sign, own.output, call, report);
             grid = request.grid_around(outer->box);
-            require_memory_of_cells(own, grid);
+            require_memory_of_cells(own.output, grid);
             return clsdf::fractions(outer->surface, grid, options_of(choice), call);
         } catch (const clsdf::Error& error) {
             if (interruption.token().stop_requested())

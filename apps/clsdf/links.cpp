@@ -62,6 +62,7 @@ ExitStatus run(const LinksOptions& options, bool is_order_given, Report& report)
         run_segments(options, report,
                      [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid,
                          const clsdf::CallOptions& call, clsdf::TransformStatistics& statistics) {
+                         require_memory_of_sides(grid);
                          if (parse_hits(options.hits) == clsdf::Hits::walls)
                              require_sign(transform.sign(), transform.topology(), options.grid.mesh, options.grid.sign,
                                           "--hits walls needs", "choose --hits faces");

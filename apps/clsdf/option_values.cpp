@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -168,6 +169,21 @@ clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length,
 }
 
 }  // namespace
+
+std::size_t parse_bytes(const std::string& option, const std::string& text) {
+    double number = 0;
+    const auto [stop, error] = clsdf::read_number(text.data(), text.data() + text.size(), number);
+    const std::string_view unit(stop, static_cast<std::size_t>(text.data() + text.size() - stop));
+    constexpr std::string_view letters = "KMGT";
+    const std::size_t power = unit.empty() ? 0 : letters.find(unit.front()) + 1;
+    const bool is_binary = unit.size() == 3 && unit.ends_with("iB");
+    const bool is_unit = unit.empty() || (power > 0 && (unit.size() == 1 || is_binary));
+    const double bytes = number * std::pow(is_binary ? 1024.0 : 1000.0, static_cast<double>(power));
+    if (error != std::errc() || !is_unit || !(bytes >= 1 && bytes < 1e18))
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           fmt::format("{}: expected a number of bytes, as 512M, 2G or 2GiB, not '{}'", option, text));
+    return static_cast<std::size_t>(bytes);
+}
 
 clsdf::Mesh read_body(const std::vector<std::string>& files, const MeshReading& reading,
                       const std::function<void(const std::string& message)>& warn) {

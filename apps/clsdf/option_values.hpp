@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
@@ -117,6 +118,10 @@ std::array<Number, 3> parse_triple(const std::string& option, const std::string&
     throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
                        fmt::format("{}: expected {}, not '{}'", option, expected, text));
 }
+
+/// A number of bytes: "512M", "2G", "1.5G", "2GiB"; K, M, G and T are powers of 1000, KiB and so on of 1024. Throws
+/// Error(invalid_argument) that names the option.
+std::size_t parse_bytes(const std::string& option, const std::string& text);
 
 /// The mesh of all files, with its vertices joined. Warnings say what was skipped or changed. Throws
 /// Error(invalid_argument) that names the option.

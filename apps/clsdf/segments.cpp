@@ -10,6 +10,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <optional>
+
+void require_memory_of_sides(const clsdf::Grid& grid) {
+    const auto& [nx, ny, nz] = grid.size;
+    // A bit for each sample, and a byte in the file.
+    require_memory(1.125 * static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz),
+                   fmt::format("the sides of {} x {} x {} samples", nx, ny, nz));
+}
 
 void add_segment_options(Parser& parser, SegmentOptions& options, const char* output) {
     ComputeOptions& own = options.grid;
@@ -35,21 +44,19 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
     const ComputeRequest request(own);
     keep_mesh(own.mesh, own.output);
     const clsdf::Device device = open_device(own.device, report);
-    const clsdf::Mesh mesh = read_body(own.mesh, own.reading, report);
+    std::optional<clsdf::Mesh> mesh = read_body(own.mesh, own.reading, report);
+    const std::size_t vertices = mesh->vertices().size(), triangles = mesh->triangles().size();
     SegmentRun run;
-    if (wants_groups(own.with, mesh)) run.groups = mesh.groups();
-    run.grid = request.grid_around(mesh.box());
-    const auto& [nx, ny, nz] = run.grid.size;
-    // The sides: a bit for each sample, and a byte in the file.
-    require_memory(own, 1.125 * static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz),
-                   fmt::format("the sides of {} x {} x {} samples", nx, ny, nz));
+    if (wants_groups(own.with, *mesh)) run.groups = mesh->groups();
+    run.grid = request.grid_around(mesh->box());
     run.device = device.name();
     const Interruption interruption;
     try {
         ProgressBar progress(!report.quiet);
         const clsdf::CallOptions call = watched_call(progress, report, interruption.token());
         const clsdf::Stopwatch watch;
-        const clsdf::DistanceTransform transform(device, mesh, transform_options_of(own.sign), call);
+        const clsdf::DistanceTransform transform(device, *mesh, transform_options_of(own.sign), call);
+        mesh.reset();  // the transform has a copy
         run.sign = transform.sign();
         clsdf::TransformStatistics statistics;
         find(transform, run.grid, call, statistics);
@@ -60,8 +67,7 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
         throw with_remedy(own, error);
     }
     if (!report.quiet) {
-        report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(own.mesh), mesh.vertices().size(),
-                     mesh.triangles().size());
+        report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(own.mesh), vertices, triangles);
         if (run.groups) report.print("groups  {}\n", human(*run.groups));
         report.print("grid    {} x {} x {} samples\n", run.grid.size[0], run.grid.size[1], run.grid.size[2]);
     }

@@ -14,6 +14,9 @@ struct SegmentOptions {
     ComputeOptions grid;  ///< those of the grid, the sign, the mesh and its groups alone
 };
 
+/// Refuses a grid whose sides of samples need more memory than the machine has.
+void require_memory_of_sides(const clsdf::Grid& grid);
+
 void add_segment_options(Parser& parser, SegmentOptions& options, const char* output);
 
 struct SegmentRun {

@@ -8,7 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <sys/resource.h>
 #include <algorithm>
+#include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -118,4 +120,96 @@ BOOST_AUTO_TEST_CASE(parts_of_a_mesh_that_moves_take_positions) {
     }
     part.set_positions(positions);
     BOOST_TEST(part.box().upper[2] == mesh.box().upper[2] + 0.99 * margin);
+}
+
+namespace {
+
+/// Beside the program: a folder for temporary files may be in memory, and is refused.
+class ScratchFolder {
+public:
+    ScratchFolder() { std::filesystem::create_directory(path); }
+    ~ScratchFolder() { std::filesystem::remove_all(path); }
+    ScratchFolder(const ScratchFolder&) = delete;
+    ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+    bool is_empty() const { return std::filesystem::is_empty(path); }
+
+    const std::string path = std::filesystem::absolute("scratch-of-parts").string();
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(parts_made_with_little_memory_have_the_same_bytes_and_leave_no_scratch) {
+    const TemporaryFolder folder;
+    const ScratchFolder scratch;
+    const std::string path = folder.file("sphere.stl"), parts = folder.file("parts.h5"),
+                      others = folder.file("others.h5");
+    write_mesh(make_shape("sphere7"), path);
+    const auto make = [&](const std::string& output, const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"part",  path,           "-o",  output,   "--cuts",
+                                           "1,2,2", "--resolution", "128", "--band", "3v"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return arguments;
+    };
+    const Outcome whole = run_command(make(parts, {}));
+    BOOST_REQUIRE_MESSAGE(whole.status == 0, whole.error);
+    const std::vector<std::string> little{"--memory", "400M", "--scratch", scratch.path};
+    std::vector<std::string> with_report = make(others, little);
+    with_report.emplace_back("--json");
+    const Outcome outcome = run_command(with_report);
+    BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.error);
+    BOOST_TEST((content_of(parts) == content_of(others)));
+    BOOST_TEST(scratch.is_empty());
+    const nlohmann::json memory = nlohmann::json::parse(outcome.out).at("memory");
+    BOOST_TEST(memory.at("resident_bytes").get<double>() < 420e6);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    BOOST_TEST(memory.at("scratch_bytes").get<double>() > 10e6);
+#endif
+
+    std::filesystem::remove(others);
+    for (const int signal : {SIGINT, SIGKILL}) {
+        Process process(make(others, little), {}, {}, [] { std::signal(SIGINT, SIG_DFL); });
+        process.wait_until([&] { return process.cpu_seconds_so_far() > 0.2; });
+        BOOST_TEST(scratch.is_empty());  // its files have no names
+        process.send(signal);
+        BOOST_TEST(process.wait().status == (signal == SIGKILL ? -SIGKILL : 6));
+        BOOST_TEST(scratch.is_empty());
+        BOOST_TEST(!std::filesystem::exists(others));
+    }
+
+    const auto limited = [] {
+        std::signal(SIGXFSZ, SIG_DFL);
+        const rlimit limit{1 << 20, 1 << 20};
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+    };
+    Process full(make(others, little), {}, {}, limited);
+    check_refused(full.wait(), 5, {scratch.path, "has no room for", "--scratch"});
+    BOOST_TEST(scratch.is_empty());
+    check_refused(run_command(make(others, {"--memory", "64M"})), 2, {"--memory: 64M is too little", "give"});
+    check_refused(run_command(make(others, {"--memory", "2GB"})), 2, {"--memory", "2GiB, not '2GB'"});
+    check_refused(run_command(make(others, {"--memory", "1G", "--scratch", "/nonexistent"})), 2,
+                  {"'/nonexistent'", "No such file", "--scratch"});
+    check_refused(run_command(make(others, {"--scratch", scratch.path})), 2, {"--memory"});
+}
+
+BOOST_AUTO_TEST_CASE(boxes_of_a_file_are_those_of_the_parts) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("knot.ply"), parts = folder.file("parts.h5");
+    write_mesh(make_shape("knot"), path);
+    const auto boxes = [&](const std::string& text) {
+        return run_command({"part", path, "-o", parts, "--boxes", folder.file("boxes.txt", text), "--spacing", "0.1",
+                            "--band", "0.3"});
+    };
+    const Outcome outcome = boxes("# two ranks\n-3,-3,-1, 0,3,1\n\n  0 -3 -1\t3 3 1\r\n");
+    BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.error);
+    const DistanceTransform whole(Device::automatic(), read_mesh(path));
+    BOOST_REQUIRE(count_parts(parts) == 2U);
+    for (const std::size_t part : {0U, 1U}) {
+        const double x = part == 0 ? -3 : 0;
+        BOOST_TEST(
+            (read_part(parts, part) == whole.restrict_to({{{x, -3, -1}, {x + 3, 3, 1}}, 0.3, 0.1}).part_bytes()));
+    }
+    check_refused(boxes("0 0 0 1 1 1\n0 0 0 1 1\n"), 3, {"boxes.txt:2", "six numbers"});
+    check_refused(boxes("# none\n"), 3, {"boxes.txt", "there is no box"});
+    check_refused(run_command({"part", path, "-o", parts}), 2, {"--cuts", "--boxes"});
 }

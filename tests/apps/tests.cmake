@@ -17,6 +17,10 @@ if(TARGET clsdf_command AND CLSDF_BUILD_PICTURE)
   endforeach()
 endif()
 
+if(TARGET clsdf_command)
+  clsdf_test(scratch_memory LABELS command calls LINK clsdf_scratch clsdf::reference OpenCL::OpenCL)
+endif()
+
 # The readers of the files that the build makes from the options must understand them; absent readers are skipped.
 if(TARGET clsdf_command_documents)
   set(made ${PROJECT_BINARY_DIR}/apps/clsdf)
