@@ -3,6 +3,7 @@
 #include "calls/transform_access.hpp"
 #include "calls/transform_state.hpp"
 #include "core/call_mutex.hpp"
+#include "core/floating_point.hpp"
 #include "mesh/vertices.hpp"
 
 #include <clsdf/outer.hpp>
@@ -35,6 +36,7 @@ OuterSurface outer_of_body(const Mesh& mesh, SignRule sign, std::uint32_t body, 
 }  // namespace
 
 SceneSurface Scene::State::outer(const CallOptions& call) const {
+    const DefaultFloatingPoint as_kernels;
     require_bodies();
     std::map<const Shape*, OuterSurface> surfaces;  // of bodies alone; instances share one
     std::vector<Vec3> vertices;

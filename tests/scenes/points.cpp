@@ -368,8 +368,10 @@ BOOST_AUTO_TEST_CASE(what_is_wrong_is_named_and_changes_nothing) {
     // Results may lie on the pairs.
     std::vector<PointOfBody> pairs(2000, {1, 0});
     const std::vector<Vec3> points{point.front(), {std::nan(""), 0, 0}};
+    std::vector<double> distances(pairs.size());
     scene.query_pairs(points, pairs, 1,
-                      {{Output::triangle, std::span(reinterpret_cast<std::uint32_t*>(pairs.data()), 2000)}});
+                      {{Output::distance, distances},
+                       {Output::triangle, std::span(reinterpret_cast<std::uint32_t*>(pairs.data()), 2000)}});
     BOOST_TEST(pairs.front().point == no_triangle);
     scene.set_active(1, false);
     check_throws(ErrorCode::invalid_argument, {"switched off"}, [&] { pair({0, 1}); });
