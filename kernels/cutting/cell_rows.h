@@ -17,8 +17,7 @@ typedef struct CellSums {
     CutSum centre[3];                        // of the coordinates
 } CellSums;
 
-static inline void add_piece(__private CellSums* sums, __private const CutPiece* piece,
-                             __private const double* spacing) {
+CUT_INLINE void add_piece(__private CellSums* sums, __private const CutPiece* piece, __private const double* spacing) {
     CutPoint in_units;
     for (int d = 0; d < 3; ++d) {
         const double a = piece->a.at[d], b = piece->b.at[d], c = piece->c.at[d];
@@ -34,53 +33,50 @@ static inline void add_piece(__private CellSums* sums, __private const CutPiece*
     for (int d = 0; d < 3; ++d) add_to(&sums->centre[d], area * (piece->a.at[d] + piece->b.at[d] + piece->c.at[d]) / 3);
 }
 
-static inline double clamped(double x, double low, double high) {
+CUT_INLINE double clamped(double x, double low, double high) {
     return x < low ? low : high < x ? high : x;
 }
 
 // The row of the solid, with integrals from the middle of cell and faces in place of centroids. sections: of the faces,
 // low and high across x, y and z.
-static inline FractionRow row_of_solid(__private const CellSums* sums, __private const FaceValues* sections,
-                                       __private const double* spacing) {
-    FractionRow row;
-    row.volume = sections[5].area + value_of(sums->moment[2]);
-    row.area = value_of(sums->area);
+CUT_INLINE void make_solid_row(__private const CellSums* sums, __private const FaceValues* sections,
+                               __private const double* spacing, __private FractionRow* row) {
+    row->volume = sections[5].area + value_of(sums->moment[2]);
+    row->area = value_of(sums->area);
     for (int d = 0; d < 3; ++d) {
-        row.vector_area[d] = value_of(sums->normal[d]) * spacing[(d + 1) % 3] * spacing[(d + 2) % 3];
-        row.centroid[d] = sections[2 * d + 1].area / 2 + value_of(sums->second[d]) - row.volume / 2;
-        row.surface_centroid[d] = row.area > 0 ? clamped(value_of(sums->centre[d]) / row.area - 0.5, -0.5, 0.5) : 0;
+        row->vector_area[d] = value_of(sums->normal[d]) * spacing[(d + 1) % 3] * spacing[(d + 2) % 3];
+        row->centroid[d] = sections[2 * d + 1].area / 2 + value_of(sums->second[d]) - row->volume / 2;
+        row->surface_centroid[d] = row->area > 0 ? clamped(value_of(sums->centre[d]) / row->area - 0.5, -0.5, 0.5) : 0;
         const bool is_side_first = side_of(d) < along_of(d);
         for (int face = 2 * d; face < 2 * d + 2; ++face) {
             const FaceValues of_face = sections[face];
             const double first = of_face.first - of_face.area / 2, second = of_face.second - of_face.area / 2;
-            row.face_fractions[face] = of_face.area;
-            row.face_centroids[face][0] = is_side_first ? first : second;
-            row.face_centroids[face][1] = is_side_first ? second : first;
+            row->face_fractions[face] = of_face.area;
+            row->face_centroids[face][0] = is_side_first ? first : second;
+            row->face_centroids[face][1] = is_side_first ? second : first;
         }
     }
-    return row;
 }
 
-static inline double told_part(double solid, __private const CutGrid* grid) {
+CUT_INLINE double told_part(double solid, __private const CutGrid* grid) {
     return grid->is_fluid ? 1 - solid : solid;
 }
-static inline double told_point(double from_middle, __private const CutGrid* grid, clsdf_int32 cell, int axis) {
+CUT_INLINE double told_point(double from_middle, __private const CutGrid* grid, clsdf_int32 cell, int axis) {
     if (!grid->as_points) return from_middle;
     return grid->origin[axis] + grid->spacing[axis] * (cell + (0.5 + from_middle));
 }
 // The moments of both parts, from the middle, add up to 0.
-static inline double told_centroid(double size, double moment, __private const CutGrid* grid, clsdf_int32 cell,
-                                   int axis) {
+CUT_INLINE double told_centroid(double size, double moment, __private const CutGrid* grid, clsdf_int32 cell, int axis) {
     if (grid->is_fluid) moment = -moment;
     return told_point(size > 0 ? clamped(moment / size, -0.5, 0.5) : 0, grid, cell, axis);
 }
 
-static inline double length_of(__private const double* v) {
+CUT_INLINE double length_of(__private const double* v) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
 // The same row in the way that is asked for.
-static inline void tell_row(__private FractionRow* row, __private const CutGrid* grid) {
+CUT_INLINE void tell_row(__private FractionRow* row, __private const CutGrid* grid) {
     row->volume = told_part(row->volume, grid);
     for (int d = 0; d < 3; ++d) {
         row->centroid[d] = told_centroid(row->volume, row->centroid[d], grid, row->cell[d], d);

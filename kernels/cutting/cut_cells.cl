@@ -15,7 +15,7 @@
 #pragma OPENCL FP_CONTRACT OFF
 
 // The last of the starts, which ascend, that is not above a number.
-static inline uint owner_of(__global const uint* starts, uint count, uint number) {
+CUT_INLINE uint owner_of(__global const uint* starts, uint count, uint number) {
     uint low = 0, high = count;
     while (high - low > 1) {
         const uint middle = low + (high - low) / 2;
@@ -58,8 +58,10 @@ __kernel void count_layers(CutGrid grid, __global const uint* triangles, __globa
     if (number >= end) return;
     ulong count = 0;
     if (counts->far_vertex == CLSDF_NO_VERTEX) {
-        const CutFace face = face_at(&grid, triangles, positions, number);
-        const CutLayers of_face = layers_of(&grid, &face);
+        CutFace face;
+        read_face(&grid, triangles, positions, number, &face);
+        CutLayers of_face;
+        find_layers(&grid, &face, &of_face);
         count = of_face.count_y * of_face.count_z;
     }
     layers[number] = (uint)min(count, (ulong)0xFFFFFFFFu);
@@ -92,12 +94,14 @@ __kernel void limit_rows(__global const uint* starts, uint records_room, uint as
 
 // starts: of the layers of faces. If there are no keys, the records of each item are counted; else they are written
 // from record_starts on.
-static inline uint records_of_item(__private const CutGrid* grid, __global const uint* triangles,
-                                   __global const double* positions, uint faces, __global const uint* starts, uint item,
-                                   __global uint* keys, __global uint* words) {
+CUT_INLINE uint records_of_item(__private const CutGrid* grid, __global const uint* triangles,
+                                __global const double* positions, uint faces, __global const uint* starts, uint item,
+                                __global uint* keys, __global uint* words) {
     RecordSink sink = {keys, words, owner_of(starts, faces, item), 0};
-    const CutFace face = face_at(grid, triangles, positions, sink.face);
-    const CutLayers layers = layers_of(grid, &face);
+    CutFace face;
+    read_face(grid, triangles, positions, sink.face, &face);
+    CutLayers layers;
+    find_layers(grid, &face, &layers);
     const uint layer = item - starts[sink.face];
     const long j = layers.low_y + (long)(layer % layers.count_y), k = layers.low_z + (long)(layer / layers.count_y);
     add_records(&sink, grid, &face, j, k, j == layers.low_y);
@@ -164,7 +168,7 @@ __kernel void list_rows(CutGrid grid, __global const CutCounts* counts, __global
 }
 
 // Sets of records, which are trees whose roots are their least ones. All access is atomic.
-static inline uint root_of(volatile __global uint* set_of, uint record) {
+CUT_INLINE uint root_of(volatile __global uint* set_of, uint record) {
     uint above = atomic_or(&set_of[record], 0u);
     while (above != record) {
         record = above;
@@ -173,7 +177,7 @@ static inline uint root_of(volatile __global uint* set_of, uint record) {
     return record;
 }
 
-static inline void join_sets(volatile __global uint* set_of, uint a, uint b) {
+CUT_INLINE void join_sets(volatile __global uint* set_of, uint a, uint b) {
     for (;;) {
         a = root_of(set_of, a);
         b = root_of(set_of, b);
@@ -240,7 +244,8 @@ __kernel void write_rows(CutGrid grid, __global const uint* triangles, __global 
     uint pieces = 0;
     for (uint record = first; record < behind; ++record) {
         if (with_pieces) pieces += set_of[record] == record ? 1 : 0;
-        const CutFace face = face_at(&grid, triangles, positions, sorted_words[record] / 2);
+        CutFace face;
+        read_face(&grid, triangles, positions, sorted_words[record] / 2, &face);
         CutPolygon rooms[4];
         __private const CutPolygon* part = part_of_face(&face, low, rooms);
         for (int n = 0; n < piece_count(part); ++n) {
@@ -254,7 +259,8 @@ __kernel void write_rows(CutGrid grid, __global const uint* triangles, __global 
         sections[face] = values_of_cell_face(&grid, records, triangles, positions, across, cell[across] + face % 2,
                                              cell[side_of(across)], cell[along_of(across)]);
     }
-    FractionRow row = row_of_solid(&sums, sections, grid.spacing);
+    FractionRow row;
+    make_solid_row(&sums, sections, grid.spacing, &row);
     row.pieces = pieces;
     for (int d = 0; d < 3; ++d) row.cell[d] = (clsdf_int32)(grid.first[d] + cell[d]);
     tell_row(&row, &grid);

@@ -15,7 +15,7 @@ typedef struct Records {
 } Records;
 
 // The first record whose key is not less.
-static inline uint first_of_key(Records records, uint key) {
+CUT_INLINE uint first_of_key(Records records, uint key) {
     uint from = 0, to = records.count;
     while (from < to) {
         const uint middle = from + (to - from) / 2;
@@ -28,11 +28,12 @@ static inline uint first_of_key(Records records, uint key) {
 }
 
 // Adds what a record leaves in its cell of a line.
-static inline void add_crossing_of(__private LineSums* sums, __private const CutGrid* grid,
-                                   __global const uint* triangles, __global const double* positions, uint word,
-                                   int across, long plane, long side, long cell) {
+CALLED_CUT void add_crossing_of(__private LineSums* sums, __private const CutGrid* grid, __global const uint* triangles,
+                                __global const double* positions, uint word, int across, long plane, long side,
+                                long cell) {
     const int axis = side_of(across), along = along_of(across);
-    const CutFace face = face_at(grid, triangles, positions, word / 2);
+    CutFace face;
+    read_face(grid, triangles, positions, word / 2, &face);
     CutPoint down, up;
     section_of(face.corners, across, (double)(grid->first[across] + plane), &down, &up);
     const double place = point_at(down, up, axis, (double)(grid->first[axis] + side + 1)).at[along];
@@ -42,9 +43,9 @@ static inline void add_crossing_of(__private LineSums* sums, __private const Cut
 }
 
 // What the solid has of a cell of a line on the high side of a face. steps: how often the cell's end is within.
-static inline LineSums sums_of_line(__private const CutGrid* grid, Records records, __global const uint* triangles,
-                                    __global const double* positions, int across, long plane, long side, long cell,
-                                    __private int* steps) {
+CUT_INLINE LineSums sums_of_line(__private const CutGrid* grid, Records records, __global const uint* triangles,
+                                 __global const double* positions, int across, long plane, long side, long cell,
+                                 __private int* steps) {
     LineSums sums = {{0, 0}, {0, 0}};
     const uint line = grid->lines_from[across] + place_of(grid, across, plane, side, 0), key = line + (uint)cell;
     uint record = first_of_key(records, key);
@@ -54,9 +55,9 @@ static inline LineSums sums_of_line(__private const CutGrid* grid, Records recor
     return sums;
 }
 
-static inline FaceValues values_of_cell_face(__private const CutGrid* grid, Records records,
-                                             __global const uint* triangles, __global const double* positions,
-                                             int across, long plane, long side, long cell) {
+CUT_INLINE FaceValues values_of_cell_face(__private const CutGrid* grid, Records records,
+                                          __global const uint* triangles, __global const double* positions, int across,
+                                          long plane, long side, long cell) {
     FaceSums sums = {{0, 0}, {0, 0}, {0, 0}};
     const int axis = side_of(across), along = along_of(across);
     CutPoint low;
@@ -65,7 +66,8 @@ static inline FaceValues values_of_cell_face(__private const CutGrid* grid, Reco
     low.at[along] = (double)(grid->first[along] + cell);
     const uint key = grid->faces_from[across] + place_of(grid, across, plane, side, cell);
     for (uint record = first_of_key(records, key); record < records.count && records.keys[record] == key; ++record) {
-        const CutFace face = face_at(grid, triangles, positions, records.words[record] / 2);
+        CutFace face;
+        read_face(grid, triangles, positions, records.words[record] / 2, &face);
         if (face.moved == across) {
             CutPolygon rooms[4];
             CutPoint below = low;

@@ -8,8 +8,19 @@
 
 #include "cut_grid.h"
 
+// Functions of kernels, of which those with more work than a call are compiled once.
 #ifdef __OPENCL_VERSION__
 #pragma OPENCL FP_CONTRACT OFF
+#include "simd.h"
+#define CUT_INLINE INLINE
+#ifdef PLAIN_INLINE
+#define CALLED_CUT inline
+#else
+#define CALLED_CUT static __attribute__((noinline))
+#endif
+#else
+#define CUT_INLINE static inline
+#define CALLED_CUT static inline
 #endif
 
 typedef struct CutPoint {
@@ -21,15 +32,15 @@ typedef struct CellRange {
     clsdf_int64 low, high;
 } CellRange;
 
-static inline double lesser_of(double a, double b) {
+CUT_INLINE double lesser_of(double a, double b) {
     return b < a ? b : a;
 }
-static inline double greater_of(double a, double b) {
+CUT_INLINE double greater_of(double a, double b) {
     return a < b ? b : a;
 }
 
 // Of `count` cells from `first` on those in which a range of coordinates lies.
-static inline CellRange cells_between(double least, double most, clsdf_int64 first, clsdf_int64 count) {
+CUT_INLINE CellRange cells_between(double least, double most, clsdf_int64 first, clsdf_int64 count) {
     const double start = (double)first, end = (double)(first + count);
     CellRange range;
     range.low = least < start ? 0 : (clsdf_int64)lesser_of(floor(least), end) - first;
@@ -37,13 +48,13 @@ static inline CellRange cells_between(double least, double most, clsdf_int64 fir
     return range;
 }
 
-static inline CutPoint cut_difference(CutPoint a, CutPoint b) {
+CUT_INLINE CutPoint cut_difference(CutPoint a, CutPoint b) {
     CutPoint point;
     for (int k = 0; k < 3; ++k) point.at[k] = a.at[k] - b.at[k];
     return point;
 }
 
-static inline CutPoint cut_cross(CutPoint a, CutPoint b) {
+CUT_INLINE CutPoint cut_cross(CutPoint a, CutPoint b) {
     CutPoint point;
     point.at[0] = a.at[1] * b.at[2] - a.at[2] * b.at[1];
     point.at[1] = a.at[2] * b.at[0] - a.at[0] * b.at[2];
@@ -51,14 +62,14 @@ static inline CutPoint cut_cross(CutPoint a, CutPoint b) {
     return point;
 }
 
-static inline bool is_before(CutPoint p, CutPoint q) {
+CUT_INLINE bool is_before(CutPoint p, CutPoint q) {
     if (p.at[0] != q.at[0]) return p.at[0] < q.at[0];
     if (p.at[1] != q.at[1]) return p.at[1] < q.at[1];
     return p.at[2] < q.at[2];
 }
 
 // The point of an edge at which a coordinate has a value, with the same bits from both sides.
-static inline CutPoint point_at(CutPoint p, CutPoint q, int axis, double value) {
+CUT_INLINE CutPoint point_at(CutPoint p, CutPoint q, int axis, double value) {
     if (is_before(q, p)) {
         const CutPoint other = p;
         p = q;
@@ -79,8 +90,8 @@ typedef struct CutPolygon {
 } CutPolygon;
 
 // The part at or above a value, or below.
-static inline void cut_polygon(__private const CutPolygon* whole, int axis, double value, bool is_above,
-                               __private CutPolygon* part) {
+CALLED_CUT void cut_polygon(__private const CutPolygon* whole, int axis, double value, bool is_above,
+                            __private CutPolygon* part) {
     clsdf_int32 count = 0;
     for (clsdf_int32 i = 0; i < whole->count; ++i) {
         __private const CutPoint* p = &whole->corners[i];
@@ -93,8 +104,8 @@ static inline void cut_polygon(__private const CutPolygon* whole, int axis, doub
 }
 
 // The part from `low` up to a cell farther: in `room`, unless it is all of the polygon.
-static inline __private const CutPolygon* part_in_cell(__private const CutPolygon* whole, int axis, double low,
-                                                       __private CutPolygon* room) {
+CUT_INLINE __private const CutPolygon* part_in_cell(__private const CutPolygon* whole, int axis, double low,
+                                                    __private CutPolygon* room) {
     bool is_below = false, is_above = false;
     for (clsdf_int32 i = 0; i < whole->count; ++i) {
         is_below = is_below || whole->corners[i].at[axis] < low;
@@ -115,7 +126,7 @@ static inline __private const CutPolygon* part_in_cell(__private const CutPolygo
 #define CLSDF_NOT_MOVED 3
 
 // The axis across which it lies in such a plane, if it goes there. walls: a WallCell.
-static inline int moved_axis(__private const CutPoint* corners, int walls) {
+CUT_INLINE int moved_axis(__private const CutPoint* corners, int walls) {
     if (walls == CLSDF_WALLS_ABOVE) return CLSDF_NOT_MOVED;
     for (int axis = 0; axis < 3; ++axis) {
         const double at = corners[0].at[axis];
@@ -129,8 +140,8 @@ static inline int moved_axis(__private const CutPoint* corners, int walls) {
 
 // The cells along an axis in which a polygon lies. If it is moved across that axis, the cell below its plane, which may
 // be the one below the first.
-static inline CellRange cells_of_polygon(__private const CutPolygon* polygon, int axis, bool is_moved,
-                                         clsdf_int64 first, clsdf_int64 count) {
+CUT_INLINE CellRange cells_of_polygon(__private const CutPolygon* polygon, int axis, bool is_moved, clsdf_int64 first,
+                                      clsdf_int64 count) {
     double least = polygon->corners[0].at[axis], most = least;
     for (clsdf_int32 i = 1; i < polygon->count; ++i) {
         least = lesser_of(least, polygon->corners[i].at[axis]);
@@ -148,13 +159,13 @@ typedef struct CutPiece {
     CutPoint a, b, c, twice;
 } CutPiece;
 
-static inline clsdf_int32 piece_count(__private const CutPolygon* polygon) {
+CUT_INLINE clsdf_int32 piece_count(__private const CutPolygon* polygon) {
     return polygon->count - 2;
 }
 
 // False if it has no area: it is an edge of the triangle in a plane between cells.
-static inline bool make_piece(__private const CutPolygon* polygon, clsdf_int32 number, CutPoint low,
-                              __private CutPiece* piece) {
+CUT_INLINE bool make_piece(__private const CutPolygon* polygon, clsdf_int32 number, CutPoint low,
+                           __private CutPiece* piece) {
     piece->a = cut_difference(polygon->corners[0], low);
     piece->b = cut_difference(polygon->corners[number + 1], low);
     piece->c = cut_difference(polygon->corners[number + 2], low);
@@ -163,7 +174,7 @@ static inline bool make_piece(__private const CutPolygon* polygon, clsdf_int32 n
 }
 
 // Whether an edge has a part in a cell.
-static inline bool edge_meets_cell(CutPoint p, CutPoint q, CutPoint low) {
+CUT_INLINE bool edge_meets_cell(CutPoint p, CutPoint q, CutPoint low) {
     double from = 0, to = 1;
     for (int axis = 0; axis < 3; ++axis) {
         const double step = q.at[axis] - p.at[axis];

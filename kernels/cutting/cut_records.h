@@ -13,7 +13,7 @@
 #pragma OPENCL FP_CONTRACT OFF
 
 // A corner of a face in cells of the lattice.
-static inline CutPoint vertex_at(__global const double* positions, uint vertex) {
+CUT_INLINE CutPoint vertex_at(__global const double* positions, uint vertex) {
     CutPoint point;
     for (int k = 0; k < 3; ++k) point.at[k] = positions[3 * (size_t)vertex + k];
     return point;
@@ -25,17 +25,15 @@ typedef struct CutFace {
     int moved;
 } CutFace;
 
-static inline CutFace face_at(__private const CutGrid* grid, __global const uint* triangles,
-                              __global const double* positions, uint face) {
-    CutFace found;
-    for (int i = 0; i < 3; ++i) found.corners[i] = vertex_at(positions, triangles[3 * (size_t)face + i]);
+CUT_INLINE void read_face(__private const CutGrid* grid, __global const uint* triangles,
+                          __global const double* positions, uint number, __private CutFace* face) {
+    for (int i = 0; i < 3; ++i) face->corners[i] = vertex_at(positions, triangles[3 * (size_t)number + i]);
     for (int k = 0; k < 3; ++k) {
-        const double a = found.corners[0].at[k], b = found.corners[1].at[k], c = found.corners[2].at[k];
-        found.least[k] = lesser_of(a, lesser_of(b, c));
-        found.most[k] = greater_of(a, greater_of(b, c));
+        const double a = face->corners[0].at[k], b = face->corners[1].at[k], c = face->corners[2].at[k];
+        face->least[k] = lesser_of(a, lesser_of(b, c));
+        face->most[k] = greater_of(a, greater_of(b, c));
     }
-    found.moved = moved_axis(found.corners, grid->walls);
-    return found;
+    face->moved = moved_axis(face->corners, grid->walls);
 }
 
 // Layers, counted from the grid's first cells.
@@ -44,37 +42,37 @@ typedef struct CutLayers {
     ulong count_y, count_z;
 } CutLayers;
 
-static inline CutLayers layers_of(__private const CutGrid* grid, __private const CutFace* face) {
-    CutLayers layers = {0, 0, 0, 0};
+CUT_INLINE void find_layers(__private const CutGrid* grid, __private const CutFace* face, __private CutLayers* layers) {
+    layers->low_y = layers->low_z = 0;
+    layers->count_y = layers->count_z = 0;
     bool is_above = false;
     int axes_below = 0;
     for (int axis = 0; axis < 2; ++axis) {
         is_above = is_above || face->least[axis] > (double)(grid->first[axis] + grid->counts[axis]);
         axes_below += face->most[axis] < (double)grid->first[axis] ? 1 : 0;
     }
-    if (is_above || axes_below == 2) return layers;
+    if (is_above || axes_below == 2) return;
     const double end = (double)(grid->first[2] + grid->counts[2]);
     CellRange z = cells_between(face->least[2], face->most[2], grid->first[2], grid->counts[2] + 1);
-    if (z.low > z.high || (face->moved != 2 && face->least[2] >= end)) return layers;
-    layers.low_z = z.low;
-    layers.count_z = (ulong)(z.high - z.low) + 1;
+    if (z.low > z.high || (face->moved != 2 && face->least[2] >= end)) return;
+    layers->low_z = z.low;
+    layers->count_z = (ulong)(z.high - z.low) + 1;
     if (face->most[1] < (double)grid->first[1]) {
-        layers.count_y = 1;  // its lines
-        return layers;
+        layers->count_y = 1;  // its lines
+        return;
     }
     // Cut points may lie beyond the corners by rounding.
     const double room = 0x1p-48 * greater_of(fabs(face->least[1]), fabs(face->most[1]));
     const CellRange y = cells_between(face->least[1] - room, face->most[1] + room, grid->first[1], grid->counts[1] + 1);
-    layers.low_y = y.low;
-    layers.count_y = y.low > y.high ? 0 : (ulong)(y.high - y.low) + 1;
-    return layers;
+    layers->low_y = y.low;
+    layers->count_y = y.low > y.high ? 0 : (ulong)(y.high - y.low) + 1;
 }
 
 // Keys of a cell, and of a face of a cell: that of the cell of the line on its high side is as far from lines_from.
-static inline uint key_of_cell(__private const CutGrid* grid, long i, long j, long k) {
+CUT_INLINE uint key_of_cell(__private const CutGrid* grid, long i, long j, long k) {
     return (uint)((k * grid->counts[1] + j) * grid->counts[0] + i);
 }
-static inline uint place_of(__private const CutGrid* grid, int across, long plane, long side, long along) {
+CUT_INLINE uint place_of(__private const CutGrid* grid, int across, long plane, long side, long along) {
     return (uint)((plane * grid->counts[side_of(across)] + side) * grid->counts[along_of(across)] + along);
 }
 
@@ -85,7 +83,7 @@ typedef struct RecordSink {
     uint face, count;
 } RecordSink;
 
-static inline void add_record(__private RecordSink* sink, uint key, bool enters) {
+CUT_INLINE void add_record(__private RecordSink* sink, uint key, bool enters) {
     if (sink->keys != 0) {
         sink->keys[sink->count] = key;
         sink->words[sink->count] = 2 * sink->face + (enters ? 1 : 0);
@@ -93,18 +91,18 @@ static inline void add_record(__private RecordSink* sink, uint key, bool enters)
     ++sink->count;
 }
 
-static inline CellRange range_of_segment(__private const CutGrid* grid, CutPoint p, CutPoint q, int axis) {
+CUT_INLINE CellRange range_of_segment(__private const CutGrid* grid, CutPoint p, CutPoint q, int axis) {
     return cells_between(lesser_of(p.at[axis], q.at[axis]), greater_of(p.at[axis], q.at[axis]), grid->first[axis],
                          grid->counts[axis]);
 }
 
-static inline bool is_in_range(CellRange range, long number) {
+CUT_INLINE bool is_in_range(CellRange range, long number) {
     return number >= range.low && number <= range.high;
 }
 
 // The line on the high side of so many cells.
-static inline void add_line_record(__private RecordSink* sink, __private const CutGrid* grid, int across, long plane,
-                                   long side, CutPoint down, CutPoint up) {
+CALLED_CUT void add_line_record(__private RecordSink* sink, __private const CutGrid* grid, int across, long plane,
+                                long side, CutPoint down, CutPoint up) {
     const int axis = side_of(across), along = along_of(across);
     const double at = (double)(grid->first[axis] + side + 1);
     bool enters;
@@ -116,8 +114,8 @@ static inline void add_line_record(__private RecordSink* sink, __private const C
 }
 
 // The faces of cells that a segment in a plane meets, of those with these numbers along side and along.
-static inline void add_face_records(__private RecordSink* sink, __private const CutGrid* grid, int across, long plane,
-                                    CutPoint down, CutPoint up, CellRange of_sides, CellRange of_cells) {
+CALLED_CUT void add_face_records(__private RecordSink* sink, __private const CutGrid* grid, int across, long plane,
+                                 CutPoint down, CutPoint up, CellRange of_sides, CellRange of_cells) {
     const int axis = side_of(across), along = along_of(across);
     const CellRange sides = range_of_segment(grid, down, up, axis);
     for (long side = max(sides.low, of_sides.low); side <= min(sides.high, of_sides.high); ++side) {
@@ -133,8 +131,8 @@ static inline void add_face_records(__private RecordSink* sink, __private const 
 }
 
 // The part of a face in a cell, whose low corner is `low`; along the axis across which it is moved, all of it.
-static inline __private const CutPolygon* part_of_face(__private const CutFace* face, CutPoint low,
-                                                       __private CutPolygon* rooms) {
+CALLED_CUT __private const CutPolygon* part_of_face(__private const CutFace* face, CutPoint low,
+                                                    __private CutPolygon* rooms) {
     __private const CutPolygon* part = &rooms[0];
     for (int i = 0; i < 3; ++i) rooms[0].corners[i] = face->corners[i];
     rooms[0].count = 3;
@@ -143,8 +141,8 @@ static inline __private const CutPolygon* part_of_face(__private const CutFace* 
     return part;
 }
 
-static inline void add_cell_records(__private RecordSink* sink, __private const CutGrid* grid,
-                                    __private const CutFace* face, long j, long k) {
+CALLED_CUT void add_cell_records(__private RecordSink* sink, __private const CutGrid* grid,
+                                 __private const CutFace* face, long j, long k) {
     const int moved = face->moved;
     const long cell_j = moved == 1 ? j - 1 : j, cell_k = moved == 2 ? k - 1 : k;
     if (cell_j >= grid->counts[1] || cell_k >= grid->counts[2]) return;
@@ -180,8 +178,8 @@ static inline void add_cell_records(__private RecordSink* sink, __private const 
 }
 
 // Of one item. is_first: that of the lowest j, which has the lines along y.
-static inline void add_records(__private RecordSink* sink, __private const CutGrid* grid, __private const CutFace* face,
-                               long j, long k, bool is_first) {
+CUT_INLINE void add_records(__private RecordSink* sink, __private const CutGrid* grid, __private const CutFace* face,
+                            long j, long k, bool is_first) {
     const bool is_below = face->most[1] < (double)grid->first[1];
     const bool has_cells_y = !is_below && j < grid->counts[1], has_cells_z = k < grid->counts[2];
     const CellRange row = {j, j}, layer = {k, k}, all = {0, grid->counts[0] - 1};

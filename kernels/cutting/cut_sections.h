@@ -16,19 +16,19 @@ typedef struct CutSum {
     double sum, rest;
 } CutSum;
 
-static inline void add_to(__private CutSum* to, double value) {
+CUT_INLINE void add_to(__private CutSum* to, double value) {
     const double sum = to->sum + value, part = sum - to->sum;
     to->rest += (to->sum - (sum - part)) + (value - part);
     to->sum = sum;
 }
-static inline double value_of(CutSum sum) {
+CUT_INLINE double value_of(CutSum sum) {
     return sum.sum + sum.rest;
 }
 
-static inline int side_of(int across) {
+CUT_INLINE int side_of(int across) {
     return across == 2 ? 0 : 2;
 }
-static inline int along_of(int across) {
+CUT_INLINE int along_of(int across) {
     return across == 1 ? 0 : 1;
 }
 
@@ -41,14 +41,14 @@ typedef struct FaceValues {
     double area, first, second;
 } FaceValues;
 
-static inline void add_face_values(__private FaceSums* to, double area, double first, double second) {
+CUT_INLINE void add_face_values(__private FaceSums* to, double area, double first, double second) {
     add_to(&to->area, area);
     add_to(&to->first, first);
     add_to(&to->second, second);
 }
 
 // length, moment: of the edge on the high side, where the side's coordinate is 1.
-static inline FaceValues values_of_face(double length, double moment, __private const FaceSums* sums) {
+CUT_INLINE FaceValues values_of_face(double length, double moment, __private const FaceSums* sums) {
     FaceValues values;
     values.area = length + value_of(sums->area);
     values.first = length / 2 + value_of(sums->first);
@@ -58,8 +58,8 @@ static inline FaceValues values_of_face(double length, double moment, __private 
 
 // The ends of a triangle's part in a plane. Seen from above, the solid is on the left of the way from `down` to `up`.
 // False if the plane does not cut it.
-static inline bool section_of(__private const CutPoint* corners, int across, double plane, __private CutPoint* down,
-                              __private CutPoint* up) {
+CALLED_CUT bool section_of(__private const CutPoint* corners, int across, double plane, __private CutPoint* down,
+                           __private CutPoint* up) {
     bool are_above[3];
     for (int i = 0; i < 3; ++i) are_above[i] = corners[i].at[across] >= plane;
     if (are_above[0] == are_above[1] && are_above[1] == are_above[2]) return false;
@@ -77,7 +77,7 @@ static inline bool section_of(__private const CutPoint* corners, int across, dou
 }
 
 // Shortens a segment to a cell; its ends keep their order. False if nothing is left.
-static inline bool cut_segment(__private CutPoint* p, __private CutPoint* q, int axis, double cell) {
+CUT_INLINE bool cut_segment(__private CutPoint* p, __private CutPoint* q, int axis, double cell) {
     const CutPoint from = *p, to = *q;
     const double a = from.at[axis], b = to.at[axis];
     if ((a < cell && b < cell) || (a >= cell + 1 && b >= cell + 1)) return false;
@@ -86,8 +86,8 @@ static inline bool cut_segment(__private CutPoint* p, __private CutPoint* q, int
     return true;
 }
 
-static inline void add_segment(__private FaceSums* to, CutPoint from, CutPoint end, int across, double low_side,
-                               double low_along) {
+CUT_INLINE void add_segment(__private FaceSums* to, CutPoint from, CutPoint end, int across, double low_side,
+                            double low_along) {
     const int side = side_of(across), along = along_of(across);
     const double b0 = from.at[side] - low_side, b1 = end.at[side] - low_side;
     const double c0 = from.at[along] - low_along, c1 = end.at[along] - low_along;
@@ -96,12 +96,12 @@ static inline void add_segment(__private FaceSums* to, CutPoint from, CutPoint e
                     (2 * (b0 * c0 + b1 * c1) + b0 * c1 + b1 * c0) / 6 * step);
 }
 
-static inline double mean_of_piece(__private const CutPiece* piece, int axis) {
+CUT_INLINE double mean_of_piece(__private const CutPiece* piece, int axis) {
     return (piece->a.at[axis] + piece->b.at[axis] + piece->c.at[axis]) / 3;
 }
 
 // A piece that lies in the face and goes to the cell below adds itself to the solid's section, or takes itself away.
-static inline void add_moved_piece(__private FaceSums* to, __private const CutPiece* piece, int across) {
+CUT_INLINE void add_moved_piece(__private FaceSums* to, __private const CutPiece* piece, int across) {
     const double area = -piece->twice.at[across] / 2;
     add_face_values(to, area, area * mean_of_piece(piece, side_of(across)),
                     area * mean_of_piece(piece, along_of(across)));
@@ -113,20 +113,20 @@ typedef struct LineSums {
 } LineSums;
 
 // Whether the way from `down` to `up` crosses a line, at `at` of the axis `side`, and whether the line enters there.
-static inline bool crosses_line(CutPoint down, CutPoint up, int side, double at, __private bool* enters) {
+CUT_INLINE bool crosses_line(CutPoint down, CutPoint up, int side, double at, __private bool* enters) {
     *enters = up.at[side] >= at;
     return (down.at[side] >= at) != *enters;
 }
 
 // A line that enters the solid (way 1) or leaves it (-1), so far from the cell's low end.
-static inline void add_crossing(__private LineSums* to, int way, double from) {
+CUT_INLINE void add_crossing(__private LineSums* to, int way, double from) {
     add_to(&to->length, -way * from);
     add_to(&to->moment, -way * from * from / 2);
 }
-static inline double length_in_cell(int steps, __private const LineSums* sums) {
+CUT_INLINE double length_in_cell(int steps, __private const LineSums* sums) {
     return steps + value_of(sums->length);
 }
-static inline double moment_in_cell(int steps, __private const LineSums* sums) {
+CUT_INLINE double moment_in_cell(int steps, __private const LineSums* sums) {
     return 0.5 * steps + value_of(sums->moment);
 }
 

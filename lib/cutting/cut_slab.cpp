@@ -127,7 +127,8 @@ void Slab::add(const CutPolygon& polygon, const std::array<std::int64_t, 3>& cel
 CellFraction Slab::row(std::int64_t i, std::int64_t j, const ListedSums& sums) {
     const std::array<FaceValues, 6> sections{x_.at(i, 0, j),     x_.at(i + 1, 0, j), y_.at(j, 0, i),
                                              y_.at(j + 1, 0, i), z_.at(0, i, j),     z_.at(1, i, j)};
-    FractionRow row = row_of_solid(&sums, sections.data(), grid_.spacing);
+    FractionRow row;  // NOLINT(*-member-init)
+    make_solid_row(&sums, sections.data(), grid_.spacing, &row);
     row.cell[0] = static_cast<std::int32_t>(first_[0] + i);
     row.cell[1] = static_cast<std::int32_t>(first_[1] + j);
     row.cell[2] = static_cast<std::int32_t>(first_[2]);

@@ -3,6 +3,8 @@
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
+#include <clsdf/fraction_plan.hpp>
+#include <clsdf/fractions.hpp>
 #include <clsdf/papers.hpp>
 #include <clsdf/tuning.hpp>
 
@@ -143,6 +145,12 @@ TransformStatistics sparse_plan(const Device& device, KernelBody body, const Cal
     const Mesh mesh = make_shape("cube");
     return DistanceTransform(device, mesh, {.body = body})
         .plan_sparse({Grid::around(mesh, 16, narrow), narrow}, {1, 1}, call)
+        .statistics();
+}
+
+TransformStatistics fraction_plan(const Device& device, KernelBody, const CallOptions& call) {
+    const OuterSurface surface = outer(make_shape("cube"));
+    return FractionPlan(device, surface, Grid::around(surface.mesh.box(), {.resolution = 8}), 1000, {}, call)
         .statistics();
 }
 
@@ -377,6 +385,18 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
          groups,
          {"links.cl", "crossed[i].triangle < crossed[lowest].triangle",
           "crossed[i].triangle > crossed[lowest].triangle"}},
+        {"a cell's surface without the rest of its sums",
+         fraction_plan,
+         groups,
+         {"cut_cells.cl", "to->rest += (to->sum - (sum - part)) + (value - part);", "to->rest = 0;"}},
+        {"rows of floats in the places of doubles",
+         fraction_plan,
+         groups,
+         {"store_cells.cl", "*(__global float*)target", "*(__global float*)to"}},
+        {"a vertex on a plane that counts as below it",
+         fraction_plan,
+         groups,
+         {"cut_cells.cl", "corners[i].at[across] >= plane", "corners[i].at[across] > plane"}},
         {"slices in the places of rows",
          boxes,
          vectors,

@@ -16,8 +16,6 @@
 #include "launch/programs.hpp"
 #include "launch/radix_sort.hpp"
 
-#include <clsdf/fraction_plan.hpp>
-#include <clsdf/fractions.hpp>
 #include <clsdf/papers.hpp>
 #include <clsdf/tuning.hpp>
 
@@ -262,33 +260,6 @@ BOOST_AUTO_TEST_CASE(links_and_exact_signs_of_a_gpu) {
     const Field field = gpu.compute(grid, band);
     for (std::size_t n = 0; n < grid.sample_count(); ++n)
         BOOST_TEST((field.distance()[n] < 0) == ((found.inside.bits[n / 8] >> n % 8 & 1U) != 0));
-}
-
-BOOST_AUTO_TEST_CASE(cut_cells_of_a_gpu) {
-    const device::Context& context = device::context_of(test_device());
-    const cl::CommandQueue queue(context.context(), context.device());
-    const OuterSurface surface =
-        outer(together({tilted(make_shape("sphere1")), shifted(cube(0.5), {1, 0, 0})}, "ball and box"));
-    const Grid grid = around_cube(7, 0.4);
-    const FractionOptions options = FractionOptions::of("amrex");
-    const Fractions expected = fractions(surface, grid, options);
-    const std::size_t rows = expected.cells.size();
-    FractionPlan plan(test_device(), surface, grid, rows, options);
-    const cl::Buffer volumes(context.context(), CL_MEM_READ_WRITE, rows * sizeof(double)),
-        pieces(context.context(), CL_MEM_READ_WRITE, rows * 4), full(context.context(), CL_MEM_READ_WRITE, 6 * 6 * 6);
-    FractionRows to;
-    to.room = rows;
-    to.volume = {volumes(), ElementType::float64};
-    to.pieces = {pieces(), ElementType::uint32};
-    to.full = {full(), ElementType::uint8};
-    plan.enqueue(queue(), to, {});
-    std::vector<double> found(rows);
-    std::vector<std::uint32_t> found_pieces(rows);
-    queue.enqueueReadBuffer(volumes, CL_TRUE, 0, rows * sizeof(double), found.data());
-    queue.enqueueReadBuffer(pieces, CL_TRUE, 0, rows * 4, found_pieces.data());
-    BOOST_TEST(rows > 50U);
-    for (std::size_t n = 0; n < rows; ++n)
-        BOOST_TEST((found[n] == expected.cells[n].volume && found_pieces[n] == expected.cells[n].pieces));
 }
 
 BOOST_AUTO_TEST_CASE(groups_that_share_a_list) {

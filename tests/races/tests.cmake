@@ -7,6 +7,6 @@ if(CLSDF_OCLGRIND AND NOT CLSDF_SANITIZE)
   add_test(NAME races COMMAND ${CLSDF_OCLGRIND} --data-races --check-api $<TARGET_FILE:test_races>)
   set_tests_properties(races PROPERTIES FAIL_REGULAR_EXPRESSION "data race;Invalid;Error;OCLGRIND"
                                         PASS_REGULAR_EXPRESSION "No errors detected" TIMEOUT 900
-                                        LABELS "launch;frusta;tree;lists;sign;finish;bricks;cutting;targets;points;papers"
+                                        LABELS "launch;frusta;tree;lists;sign;finish;bricks;targets;points;papers"
                                         ENVIRONMENT_MODIFICATION "CLSDF_CACHE_DIR=set:;CLSDF_SELF_TEST=set:0")
 endif()
