@@ -24,7 +24,7 @@ namespace {
 OuterSurface known_surface() {
     std::vector<Vec3> vertices;
     for (std::uint32_t i = 0; i < 8; ++i)
-        vertices.push_back({(i & 1) != 0 ? 3.0 : 1.0, (i & 2) != 0 ? 2.0 : 1.0, (i & 4) != 0 ? 2.5 : 0.5});
+        vertices.push_back({(i & 1) != 0 ? 3.0 : 1.0, (i & 2) != 0 ? 1.8 : 1.2, (i & 4) != 0 ? 2.5 : 0.5});
     std::vector<Triangle> triangles{{{0, 2, 3},
                                      {0, 3, 1},
                                      {4, 5, 7},
@@ -50,8 +50,8 @@ std::optional<std::string> difference_of_rows(const Device& device, const engine
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const engine::DeviceTools tools{device::context_of(device), pool, programs};
     const OuterSurface surface = known_surface();
-    // A part of the lattice, so that rows begin before it.
-    const Grid grid{{0, 0, 0.5}, {0.5, 0.5, 0.25}, {14, 9, 18}, {1, 1, -4}};
+    // A part of the lattice, so that rows begin before it. 0.3 is rounded, and the walls lie in planes all the same.
+    const Grid grid{{0, 0, 0.5}, {0.5, 0.3, 0.25}, {14, 12, 18}, {1, 1, -4}};
     const Fractions expected = fractions(surface, grid, options);
     const auto vertices = device::uploaded(tools.context, pool, surface.mesh.vertices(), "vertices");
     cutting::DeviceFractions cuts(tools, surface.mesh, grid, options, true);
