@@ -58,9 +58,9 @@ private:
 }  // namespace
 
 ScratchWatcher::ScratchWatcher(std::size_t limit)
-    : low_(limit / 16 * 13),
-      high_(limit / 16 * 14),
-      stopping_(limit / 16 * 15),
+    : low_(limit / 16 * 12),
+      high_(limit / 16 * 13),
+      stopping_(limit / 16 * 14),
       most_queued_(limit / 8),
       statm_(::open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {
     total();

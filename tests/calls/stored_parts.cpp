@@ -2,7 +2,12 @@
 #include "calls/restricted_bodies.hpp"
 #include "support/throws.hpp"
 
+#include "core/word_hash.hpp"
+
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <optional>
 #include <span>
 #include <vector>
@@ -81,5 +86,68 @@ BOOST_AUTO_TEST_CASE(bytes_that_are_no_whole_part_are_refused_by_name) {
         std::vector<std::byte> damaged = bytes;
         damaged[static_cast<std::size_t>(at)] ^= std::byte{1};
         refused(damaged, said);
+    }
+}
+
+namespace {
+
+constexpr std::size_t head_bytes = 40, place_of_hash = 32;
+
+/// The head's hash of what follows, as a program has it that writes such bytes itself.
+void set_hash(std::vector<std::byte>& bytes) {
+    WordHash hash;
+    std::size_t at = head_bytes;
+    for (; at + 8 <= bytes.size(); at += 8) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, bytes.data() + at, 8);
+        hash.add(word);
+    }
+    for (; at < bytes.size(); ++at) hash.add(std::to_integer<std::uint64_t>(bytes[at]));
+    const std::uint64_t value = hash.value();
+    std::memcpy(bytes.data() + place_of_hash, &value, 8);
+}
+
+}  // namespace
+
+// Sanitizers see whether a wrong index, count or number is used beyond what there is.
+BOOST_AUTO_TEST_CASE(bytes_with_wrong_values_and_the_right_hash_do_no_harm) {
+    const Mesh mesh = without_triangle(tilted(make_shape("sphere2")), 3);
+    const DistanceTransform whole(test_device(), mesh);
+    const double h = mesh.box().longest_side() / 16;
+    const Region region{boxes_about(mesh).front(), 3 * h, h};
+    const Grid grid = samples_in(region.box, h, {0, 0, 0});
+    Random random(19);
+    for (const double margin : {0.0, 0.2 * h}) {
+        const std::vector<std::byte> bytes = whole.restrict_to(region, margin).part_bytes();
+        std::vector<std::byte> same = bytes;
+        set_hash(same);
+        BOOST_REQUIRE((same == bytes));
+        std::size_t refused = 0, used = 0;
+        for (int i = 0; i < 1500; ++i) {
+            std::vector<std::byte> damaged = bytes;
+            const std::size_t at = head_bytes + 4 * random.index((bytes.size() - head_bytes) / 4);
+            std::uint32_t word = 0;
+            std::memcpy(&word, damaged.data() + at, 4);
+            const std::array<std::uint32_t, 5> wrong{0xFFFFFFFFU, 0, word + 1, word ^ 1U << random.index(32),
+                                                     static_cast<std::uint32_t>(random.index(1000))};
+            word = wrong[random.index(wrong.size())];
+            std::memcpy(damaged.data() + at, &word, 4);
+            set_hash(damaged);
+            try {
+                DistanceTransform part = DistanceTransform::from_part(test_device(), damaged);
+                if (i % 4 == 0) part.compute(grid, Band::symmetric(2 * h), all_outputs());
+                if (margin > 0) {
+                    std::vector<Vec3> positions;
+                    for (const std::uint32_t vertex : part.part_vertices())
+                        positions.push_back(mesh.vertices()[vertex % mesh.vertices().size()]);
+                    part.set_positions(positions);
+                }
+                ++used;
+            } catch (const Error&) {
+                ++refused;
+            }
+        }
+        BOOST_TEST(refused > 100U);
+        BOOST_TEST(used > 100U);
     }
 }

@@ -78,6 +78,16 @@ Frusta PartMover::part_of(const Frusta& all, const MeshTopology& topology, std::
     const auto place_in = [](const std::vector<std::uint32_t>& list, std::uint32_t value) {
         return static_cast<std::uint32_t>(std::ranges::lower_bound(list, value) - list.begin());
     };
+    // Bytes that were made by something else may have a site that the part has no face or vertex of.
+    const auto place_of = [&](const std::vector<std::uint32_t>& list, std::uint32_t value) {
+        const std::uint32_t place = place_in(list, value);
+        if (place == list.size() || list[place] != value)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the part of {} has a point site at a vertex or face that it does not have; make "
+                                    "it again, of the whole transform",
+                                    part.mesh.name()));
+        return place;
+    };
     Frusta frusta;
     frusta.positions = ordered_positions(topology, positions);
     frusta.slopes.resize(part.faces.size());
@@ -103,8 +113,8 @@ Frusta PartMover::part_of(const Frusta& all, const MeshTopology& topology, std::
         const std::uint32_t vertex = vertices[site.vertex], place = part.places[vertex];
         if (place == MovablePart::no_place || is_filling(site)) continue;
         decided.push_back({place, site});
-        decided.back().site.vertex = numbers[place_in(part.vertices, vertex)];
-        decided.back().site.face = place_in(part.faces, site.face);
+        decided.back().site.vertex = numbers[place_of(part.vertices, vertex)];
+        decided.back().site.face = place_of(part.faces, site.face);
     }
     std::ranges::sort(decided, {}, &Decided::place);
     std::vector<std::uint32_t> blocks;
