@@ -191,7 +191,7 @@ void ScratchBlocks::evict(const Piece& piece) {
     ::posix_fadvise(block.file, offset, bytes, POSIX_FADV_DONTNEED);  // but those that are mapped again
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef CLSDF_WITHOUT_SCRATCH
 
 namespace {
 

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t least_block = 8192, mebibyte = std::size_t{1} << 20, no_limit = std::size_t{1} << 40;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef CLSDF_WITHOUT_SCRATCH
 constexpr bool has_operators = false;
 #else
 constexpr bool has_operators = true;
