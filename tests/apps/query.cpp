@@ -369,7 +369,7 @@ BOOST_AUTO_TEST_CASE(results_of_any_program_are_judged_at_their_points) {
         run_command({"compute", two, "-o", field, "--surface", "outer", "--resolution", "16", "--quiet"}).status == 0);
     const Outcome without = run_command({"check", two, field});
     BOOST_TEST(without.status == 1);
-    BOOST_TEST(without.out.find("check it with --surface outer") != std::string::npos, without.out);
+    BOOST_TEST(without.error.find("check it with --surface outer") != std::string::npos, without.error);
     for (const char* option : {"--samples", "--seed", "--tolerance-voxels"})
         check_refused(judged({option, "7"}), 2, {option, "--points"});
     check_refused(judged({"--complete"}), 2, {"--complete", "--points"});
