@@ -189,11 +189,12 @@ BOOST_AUTO_TEST_CASE(many_bodies_have_the_bytes_of_single_ones) {
 BOOST_AUTO_TEST_CASE(bodies_that_overlap_between_samples_keep_their_depth) {
     Scene scene(test_device());
     scene.add(cube(1.025));
-    for (int i = 1; i < 20; ++i) scene.add_instance(0, at({i == 1 ? 2 : 0, 0, i == 1 ? 0 : 4.0 * i}));
+    for (int i = 1; i < 20; ++i) scene.add_instance(0, at({i == 1 ? 2.0 : 0.0, 0, i == 1 ? 0.0 : 4.0 * i}));
     const Grid grid{{-0.525, 0, 0}, {1, 1, 1}, {4, 1, 80}, {}};
     const Field field = scene.compute(grid, {0.9, 0});
     const std::array<double, 4> depths{0.5, 0.55, 0.5, 0.55};
-    for (std::size_t i = 0; i < 4; ++i) BOOST_TEST(std::abs(field.distance()[i] + depths[i]) < 1e-6, "sample " << i);
+    for (std::size_t i = 0; i < 4; ++i)
+        BOOST_TEST(std::abs(static_cast<double>(field.distance()[i]) + depths[i]) < 1e-6, "sample " << i);
 }
 
 BOOST_AUTO_TEST_CASE(many_meshes_are_added_at_once) {
