@@ -1,4 +1,5 @@
 #include "apps/process.hpp"
+#include "apps/scratch_folder.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/mesh_files.hpp>
@@ -122,32 +123,9 @@ BOOST_AUTO_TEST_CASE(parts_of_a_mesh_that_moves_take_positions) {
     BOOST_TEST(part.box().upper[2] == mesh.box().upper[2] + 0.99 * margin);
 }
 
-namespace {
-
-#ifdef CLSDF_WITHOUT_SCRATCH
-constexpr bool has_scratch = false;
-#else
-constexpr bool has_scratch = true;
-#endif
-
-/// Beside the program: a folder for temporary files may be in memory, and is refused.
-class ScratchFolder {
-public:
-    ScratchFolder() { std::filesystem::create_directory(path); }
-    ~ScratchFolder() { std::filesystem::remove_all(path); }
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-    bool is_empty() const { return std::filesystem::is_empty(path); }
-
-    const std::string path = std::filesystem::absolute("scratch-of-parts").string();
-};
-
-}  // namespace
-
 BOOST_AUTO_TEST_CASE(parts_made_with_little_memory_have_the_same_bytes_and_leave_no_scratch) {
     const TemporaryFolder folder;
-    const ScratchFolder scratch;
+    const ScratchFolder scratch("scratch-of-parts");
     const std::string path = folder.file("sphere.stl"), parts = folder.file("parts.h5"),
                       others = folder.file("others.h5");
     write_mesh(make_shape("sphere7"), path);

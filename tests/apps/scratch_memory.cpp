@@ -1,4 +1,5 @@
 // Arrays in files of a scratch folder have the contents of arrays in memory, and the process stays within its limit.
+#include "apps/scratch_folder.hpp"
 #include "calls/restricted_bodies.hpp"
 #include "support/small_disk.hpp"
 #include "support/temporary_folder.hpp"
@@ -23,25 +24,6 @@ using namespace clsdf::test;
 namespace {
 
 constexpr std::size_t least_block = 8192, mebibyte = std::size_t{1} << 20, no_limit = std::size_t{1} << 40;
-
-#ifdef CLSDF_WITHOUT_SCRATCH
-constexpr bool has_operators = false;
-#else
-constexpr bool has_operators = true;
-#endif
-
-/// Temporary folders may be in memory; that of the program is on a disk.
-class ScratchFolder {
-public:
-    ScratchFolder() { std::filesystem::create_directory(path); }
-    ~ScratchFolder() { std::filesystem::remove_all(path); }
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-    bool is_empty() const { return std::filesystem::is_empty(path); }
-
-    const std::string path = std::filesystem::absolute("scratch-of-test").string();
-};
 
 std::vector<Body> all_bodies() {
     std::vector<Body> all = bodies();
@@ -73,7 +55,7 @@ std::uint64_t number_at(std::uint64_t array, std::uint64_t i) {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(parts_made_in_scratch_memory_have_the_bytes_of_others) {
-    const ScratchFolder folder;
+    const ScratchFolder folder("scratch-of-test");
     std::size_t meshes = 0, blocks = 0;
     for (const Body& body : all_bodies()) {
         const double margin = meshes % 2 == 0 ? 0 : 0.02;
@@ -86,12 +68,12 @@ BOOST_AUTO_TEST_CASE(parts_made_in_scratch_memory_have_the_bytes_of_others) {
         BOOST_TEST(folder.is_empty());
     }
     BOOST_TEST(meshes > 40U);
-    if (has_operators) BOOST_TEST(blocks > 10 * meshes);
+    if (has_scratch) BOOST_TEST(blocks > 10 * meshes);
 }
 
 BOOST_AUTO_TEST_CASE(arrays_beyond_the_limit_keep_their_contents_and_leave_the_memory) {
-    if (!has_operators) return;
-    const ScratchFolder folder;
+    if (!has_scratch) return;
+    const ScratchFolder folder("scratch-of-test");
     constexpr std::size_t arrays = 6, numbers = 8 * mebibyte;  // 64 MiB each
     const std::size_t base = ScratchMemory(folder.path, mebibyte).use().most_resident, limit = base + 128 * mebibyte;
     const ScratchMemory scratch(folder.path, limit);
@@ -116,7 +98,7 @@ BOOST_AUTO_TEST_CASE(arrays_beyond_the_limit_keep_their_contents_and_leave_the_m
 }
 
 BOOST_AUTO_TEST_CASE(a_block_grows_moves_and_may_outlive_the_scratch_memory) {
-    const ScratchFolder folder;
+    const ScratchFolder folder("scratch-of-test");
     std::vector<std::uint64_t> kept;
     {
         const ScratchMemory scratch(folder.path, mebibyte, least_block);
@@ -129,8 +111,8 @@ BOOST_AUTO_TEST_CASE(a_block_grows_moves_and_may_outlive_the_scratch_memory) {
 }
 
 BOOST_AUTO_TEST_CASE(a_folder_without_room_is_an_error_that_names_it) {
-    if (!has_operators) return;
-    const ScratchFolder folder;
+    if (!has_scratch) return;
+    const ScratchFolder folder("scratch-of-test");
     const ScratchMemory scratch(folder.path, no_limit, least_block);
     const Body body{make_shape("sphere5")};
     scratch.throw_if_full();
