@@ -1,5 +1,6 @@
 #include "calls/slab_plans.hpp"
 #include "checks/known_targets.hpp"
+#include "core/common_part.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
@@ -103,19 +104,6 @@ public:
 
 private:
     Gathering() = default;
-
-    static std::optional<Grid> common_part(const Grid& slab, const Grid& request) {
-        Grid common = request;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::int64_t begin = std::max(slab.first[axis], request.first[axis]);
-            const std::int64_t end =
-                std::min(slab.first[axis] + slab.size[axis], request.first[axis] + request.size[axis]);
-            if (begin >= end) return std::nullopt;
-            common.first[axis] = begin;
-            common.size[axis] = end - begin;
-        }
-        return common;
-    }
 
     std::vector<std::optional<Grid>> boxes_;  // of each request of the batch
     std::vector<std::size_t> starts_;

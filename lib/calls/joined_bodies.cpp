@@ -1,6 +1,7 @@
 #include "calls/scene_state.hpp"
 #include "calls/transform_access.hpp"
 #include "calls/transform_state.hpp"
+#include "core/common_part.hpp"
 #include "core/parallel.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/vertices.hpp"
@@ -53,18 +54,6 @@ std::vector<Grid> blocks_of(const Grid& grid, OutputSet outputs) {
         z = next;
     }
     return blocks;
-}
-
-/// Of two blocks of a lattice.
-std::optional<Grid> common_part(const Grid& one, const Grid& other) {
-    Grid common = one;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        common.first[axis] = std::max(one.first[axis], other.first[axis]);
-        common.size[axis] =
-            std::min(one.first[axis] + one.size[axis], other.first[axis] + other.size[axis]) - common.first[axis];
-        if (common.size[axis] <= 0) return std::nullopt;
-    }
-    return common;
 }
 
 }  // namespace
