@@ -1,6 +1,8 @@
 #include "check_points.hpp"
 #include "command.hpp"
+#include "compute.hpp"
 #include "option_values.hpp"
+#include "outer_surface.hpp"
 #include "report.hpp"
 #include "scene_file.hpp"
 
@@ -127,7 +129,7 @@ void print_human(const CheckReport& report, const clsdf::Field& field, bool is_n
     print_text("{}\n", report.passed() ? "passed: the field keeps its contract" : "FAILED");
 }
 
-/// What a field is held against: a mesh, or the bodies of a scene where they are.
+/// What a field is held against: a mesh, which may be the outer surface, or the bodies of a scene where they are.
 struct Asked {
     std::vector<clsdf::reference::PlacedBody> bodies;
     bool is_scene = false;
@@ -139,24 +141,52 @@ struct Asked {
     }
 };
 
-/// The same with the outer surface of its mesh. Extra outputs tell faces as given.
-clsdf::Field make_outer(Asked& asked, clsdf::Field field) {
-    asked.bodies[0].mesh = clsdf::outer(asked.bodies[0].mesh, field.sign).mesh;
-    for (const clsdf::Output output : {clsdf::Output::triangle, clsdf::Output::site, clsdf::Output::barycentric})
-        field.resize(output, 0);
+/// The same with the outer surface of its mesh, or of the bodies together. Extra outputs tell faces as given.
+clsdf::Field make_outer(Asked& asked, const MeshReading& reading, clsdf::Field field, Report& report) {
+    if (asked.is_scene)
+        asked.bodies = {{outer_of_files(asked.names, reading, {}, {}, {}, report).surface.mesh}};
+    else
+        asked.bodies[0].mesh = clsdf::outer(asked.bodies[0].mesh, field.sign).mesh;
+    asked.is_scene = false;
+    for (const clsdf::OutputInfo& info : extra_outputs())
+        if (info.output != clsdf::Output::closest && info.output != clsdf::Output::gradient &&
+            info.output != clsdf::Output::offset)
+            field.resize(info.output, 0);
     return field;
 }
 
 // Files do not say which surface was measured.
-std::string note_on_the_surface(Asked asked, const clsdf::Field& field, const clsdf::reference::CheckOptions& options) {
-    if (asked.is_scene || describe_topology(asked.bodies[0].mesh).overlapping_parts == 0) return {};
+std::string note_on_the_surface(Asked asked, const MeshReading& reading, const clsdf::Field& field,
+                                const clsdf::reference::CheckOptions& options, Report& report) {
+    if (!asked.is_scene && describe_topology(asked.bodies[0].mesh).overlapping_parts == 0) return {};
     try {
-        const clsdf::Field of_outer = make_outer(asked, field);
+        const clsdf::Field of_outer = make_outer(asked, reading, field, report);
         if (!asked.check(of_outer, options).passed()) return {};
     } catch (const clsdf::Error&) {
         return {};  // it has no outer surface
     }
     return "the field has the distance to the outer surface: check it with --surface outer";
+}
+
+/// Nothing if the mesh and the grid may belong together.
+std::string note_on_the_place(const Asked& asked, const clsdf::Grid& grid) {
+    clsdf::Box mesh = asked.bodies[0].mesh.box();
+    for (const clsdf::reference::PlacedBody& body : asked.bodies)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            mesh.lower[axis] = std::min(mesh.lower[axis], body.mesh.box().lower[axis]);
+            mesh.upper[axis] = std::max(mesh.upper[axis], body.mesh.box().upper[axis]);
+        }
+    const clsdf::Box box = grid.box();
+    bool is_apart = false;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        is_apart = is_apart || mesh.lower[axis] > box.upper[axis] || mesh.upper[axis] < box.lower[axis];
+    constexpr double most = 30;  // of a grid around a part of a mesh, or around much more
+    const double ratio = mesh.longest_side() / box.longest_side();
+    if (!is_apart && ratio < most && ratio > 1 / most) return {};
+    return warning_of_nothing(
+        "the field may be of a mesh in another place or unit (--scale, --up, --rotate, "
+        "--translate)",
+        grid, mesh);
 }
 
 /// The mesh of a body where Scene::compute() has it.
@@ -180,9 +210,7 @@ Asked read_bodies(const Options& options, Report& report) {
         asked.bodies.push_back({read_body(asked.names, options.reading, report)});
         return asked;
     }
-    SignChoice beside;
-    beside.surface = options.surface;
-    refuse_beside_scene(asked.names, beside, {});
+    refuse_beside_scene(asked.names, {}, {});
     const SceneFile file = read_scene(asked.names.front());
     const SceneMeshes meshes = read_meshes(file, options.reading, report);
     for (std::size_t i = 0; i < file.bodies.size(); ++i) {
@@ -221,7 +249,7 @@ ExitStatus run(const Options& options, Report& report) {
     if (field.sign == clsdf::SignRule::automatic && !asked.is_scene)
         field.sign = resolve_sign_rule(field.sign, describe_topology(asked.bodies[0].mesh)).rule;
 
-    if (is_outer) field = make_outer(asked, std::move(field));
+    if (is_outer) field = make_outer(asked, options.reading, std::move(field), report);
 
     clsdf::reference::CheckOptions check_options = options.check;
     if (options.complete) check_options.samples = 0;
@@ -231,7 +259,9 @@ ExitStatus run(const Options& options, Report& report) {
 
     std::string note = note_on_signs([&](const clsdf::Field& other) { return asked.check(other, check_options); },
                                      found, field, options.positive_inside);
-    if (note.empty() && !found.passed() && !is_outer) note = note_on_the_surface(asked, field, check_options);
+    if (note.empty() && !found.passed()) note = note_on_the_place(asked, field.grid);
+    if (note.empty() && !found.passed() && !is_outer)
+        note = note_on_the_surface(asked, options.reading, field, check_options, report);
     if (note.empty() && !found.passed()) note = note_on_the_mesh(meshes, field);
     if (note.empty()) note = note_on_the_band(found, field);
     if (!report.quiet || !found.passed()) print_human(found, field, is_negated, seconds.count());

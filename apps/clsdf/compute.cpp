@@ -203,10 +203,6 @@ Computation compute_unless_interrupted(const ComputeRequest& request, const Comp
     throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
 }
 
-void warn(Report& report, const std::string& warning) {
-    if (!warning.empty()) report.warn(warning);
-}
-
 ExitStatus run(const ComputeOptions& options, Report& report) {
     if (std::ranges::any_of(options.mesh, is_scene_file)) return compute_scene(options, report);
     const ComputeRequest request(options);
@@ -261,12 +257,13 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
                     "--positive-inside: with --band 0 the field has the signs of zeros alone, and these are negative "
                     "inside; leave it out, or give the band a width");
     // The transform says more about the outer surface.
-    if (request.surface == clsdf::Surface::given) warn(report, sign.warning);
+    if (request.surface == clsdf::Surface::given) report.warn(sign.warning);
     if (sign.rule == clsdf::SignRule::none && !options.band_inside.empty())
         report.warn("--band-inside has no effect, because the field has no sign");
-    warn(report, warning_of_narrow_band(layout));
-    warn(report, warning_of_polyhedra(layout));
-    warn(report, warning_of_format(layout, options.output));
+    report.warn(warning_of_size(layout.grid, layout.mesh.box()));
+    report.warn(warning_of_narrow_band(layout.grid, layout.band, layout.sign));
+    report.warn(warning_of_polyhedra(layout));
+    report.warn(warning_of_format(layout, options.output));
     if (!report.quiet) print_layout(layout);
     if (options.dry_run) {
         // The format may refuse the field. A pipe or a device is left alone.
@@ -275,7 +272,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
             make_writer(layout, options.output);
         if (!report.quiet) print_memory(layout);
         if (device) report.print("device  {} ({})\n", device->name(), device->platform());
-        warn(report, warning_of_memory(layout));
+        report.warn(warning_of_memory(layout));
         report.result = describe_dry_run(layout);
         return ExitStatus::done;
     }
@@ -291,8 +288,8 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     computation.read_seconds = read_seconds;
     computation.output = options.output;
     if (!report.quiet) print_outcome(layout, computation);
-    warn(report, warning_of_empty_band(layout, computation));
-    warn(report, warning_of_stale_outputs(layout, computation));
+    report.warn(warning_of_empty_band(describe_field(layout), layout.mesh.box(), computation.band_samples));
+    report.warn(warning_of_stale_outputs(layout, computation));
     report.result = describe(layout, computation);
     return ExitStatus::done;
 }

@@ -114,13 +114,18 @@ std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf
 /// A warning for the user; empty if there is none.
 std::string warning_of_polyhedra(const ComputeLayout& layout);
 /// A warning if the band is so narrow that a surface made from the field is off.
-std::string warning_of_narrow_band(const ComputeLayout& layout);
+std::string warning_of_narrow_band(const clsdf::Grid& grid, const clsdf::Band& band, clsdf::SignRule sign);
+/// A warning if the box around the mesh is smaller than a voxel, as in another unit.
+std::string warning_of_size(const clsdf::Grid& grid, const clsdf::Box& mesh);
+/// "no sample lies within the band's limits: the grid reaches from ..., the mesh from ...". nothing: its beginning.
+std::string warning_of_nothing(const std::string& nothing, const clsdf::Grid& grid, const clsdf::Box& mesh);
 std::string warning_of_memory(const ComputeLayout& layout);
 /// Refuses what needs more memory than the machine has, before the work. what: "the links of 9 x 9 x 9 samples".
 void require_memory(double bytes, const std::string& what);
 /// A warning if the output's format cannot store the band.
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output);
-std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation);
+std::string warning_of_empty_band(const clsdf::FieldDescription& field, const clsdf::Box& mesh,
+                                  std::size_t band_samples);
 /// A warning if outputs of an earlier field lie beside this one.
 std::string warning_of_stale_outputs(const ComputeLayout& layout, const Computation& computation);
 

@@ -210,17 +210,16 @@ std::string warning_of_polyhedra(const ComputeLayout& layout) {
                        name_of(layout.polyhedra));
 }
 
-std::string warning_of_narrow_band(const ComputeLayout& layout) {
-    const double voxel = layout.grid.voxel();
-    const bool has_inside = layout.sign != clsdf::SignRule::none;
+std::string warning_of_narrow_band(const clsdf::Grid& grid, const clsdf::Band& band, clsdf::SignRule sign) {
+    const double voxel = grid.voxel();
+    const bool has_inside = sign != clsdf::SignRule::none;
     double narrow = std::numeric_limits<double>::infinity();
-    for (const double width : {layout.band.outside, has_inside ? layout.band.inside : 0.0})
+    for (const double width : {band.outside, has_inside ? band.inside : 0.0})
         if (width > 0) narrow = std::min(narrow, width);  // 0: that side is not wanted
     if (!(narrow < voxel)) return {};
     return fmt::format(
         "the band is {:.3g} voxels wide on a side; choose --band 2v or more; a surface that is made from the field may "
-        "be "
-        "off by a good part of a voxel, because samples beside it have the band's limit",
+        "be off by a good part of a voxel, because samples beside it have the band's limit",
         narrow / voxel);
 }
 
@@ -240,11 +239,22 @@ std::string warning_of_memory(const ComputeLayout& layout) {
                        human_bytes(static_cast<double>(needed)), human_bytes(static_cast<double>(memory)));
 }
 
-std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation) {
-    const bool has_inside = layout.sign != clsdf::SignRule::none && layout.band.inside > 0;
-    if (computation.band_samples > 0 || (layout.band.outside == 0 && !has_inside)) return {};
-    return fmt::format("no sample lies within the band's limits: the grid reaches from {}, the mesh from {}",
-                       human_box(box_of(layout.grid)), human_box(layout.mesh.box()));
+std::string warning_of_size(const clsdf::Grid& grid, const clsdf::Box& mesh) {
+    const double side = mesh.longest_side() / grid.voxel();
+    if (side >= 1) return {};
+    return fmt::format("the longest side of the mesh is {:.3g} voxels; is it in the grid's unit? (--scale)", side);
+}
+
+std::string warning_of_nothing(const std::string& nothing, const clsdf::Grid& grid, const clsdf::Box& mesh) {
+    return fmt::format("{}: the grid reaches from {}, the mesh from {}", nothing, human_box(box_of(grid)),
+                       human_box(mesh));
+}
+
+std::string warning_of_empty_band(const clsdf::FieldDescription& field, const clsdf::Box& mesh,
+                                  std::size_t band_samples) {
+    const bool has_inside = field.sign != clsdf::SignRule::none && field.band.inside > 0;
+    if (band_samples > 0 || (field.band.outside == 0 && !has_inside)) return {};
+    return warning_of_nothing("no sample lies within the band's limits", field.grid, mesh);
 }
 
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output) {

@@ -27,7 +27,7 @@ using clsdf::Stopwatch;
 
 /// Throws Error(invalid_argument or unsupported) for options that a scene's file has, or that are of one mesh.
 void refuse_options_of_meshes(const ComputeOptions& options, const ComputeRequest& request) {
-    refuse_beside_scene(options.mesh, options.sign, options.with, true);
+    refuse_beside_scene(options.mesh, options.sign, options.with);
     const char* const option = options.sparse                                  ? "--sparse"
                                : request.scan != clsdf::Scan::bricks           ? "--scan or --polyhedra"
                                : request.polyhedra != clsdf::Polyhedra::leaned ? "--polyhedra"
@@ -65,6 +65,8 @@ clsdf::Field compute(const SceneFile& file, const SceneMeshes& meshes, const Com
     const clsdf::Box box = scene.box();
     const clsdf::Grid grid = request.grid_around(box);
     const clsdf::Band band = request.band_on(grid, box);
+    report.warn(warning_of_size(grid, box));
+    report.warn(warning_of_narrow_band(grid, band, scene.sign()));
     if (options.positive_inside && band.has_signs_only)
         throw Error(ErrorCode::invalid_argument,
                     "--positive-inside: with --band 0 the field has the signs of zeros alone, and these are negative "
@@ -83,6 +85,7 @@ clsdf::Field compute(const SceneFile& file, const SceneMeshes& meshes, const Com
     }
     clsdf::Field field = scene.compute(grid, band, request.outputs, call, &statistics);
     field.mesh_name = std::filesystem::path(file.path).filename().string();
+    report.warn(warning_of_empty_band(field, box, count_band_samples(field, field.slab())));
     if (options.positive_inside) field.negate();
     return field;
 }

@@ -36,6 +36,8 @@ ExitStatus run(const CrossingsOptions& options, Report& report) {
     report.print("done    {}, {} and {} crossed edges along x, y and z in {:.3f} s\n", crossed[0], crossed[1],
                  crossed[2], made.seconds);
     report.print("wrote   {}\n", options.grid.output);
+    if (crossed == std::array<std::size_t, 3>{})
+        report.warn(warning_of_nothing("no edge meets the surface", made.grid, made.box));
     report.result = describe(options, made);
     report.result["crossed"] = crossed;
     return ExitStatus::done;

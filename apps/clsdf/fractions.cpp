@@ -62,6 +62,7 @@ ExitStatus run(const FractionChoice& choice, Report& report) {
             const clsdf::CallOptions call = watched_call(progress, report, interruption.token());
             outer = outer_of_files(own.mesh, own.reading, own.sign, own.output, call, report);
             grid = request.grid_around(outer->box);
+            report.warn(warning_of_size(grid, outer->box));
             require_memory_of_cells(own.output, grid);
             return clsdf::fractions(outer->surface, grid, options_of(choice), call);
         } catch (const clsdf::Error& error) {
@@ -91,6 +92,7 @@ ExitStatus run(const FractionChoice& choice, Report& report) {
                  part);
     report.print("volume  of {} {:.6g} in the grid; done in {:.3f} s\n", part, volume, seconds);
     report.print("wrote   {}\n", own.output);
+    if (found.cells.empty()) report.warn(warning_of_nothing("the surface meets no cell", grid, outer->box));
     report.result = {{"mesh", paths_of(own.mesh)},
                      {"grid", describe(grid)},
                      {"convention", choice.convention},
@@ -123,7 +125,7 @@ Command add_fractions(Parser& program) {
     parser.add("--part", choice->part, "instead of the convention's: what is counted").takes_one_of({"solid", "fluid"});
     parser.add("--snap", choice->snap, "move vertices onto planes between cells that are so near: 0 to 0.001")
         .takes("CELLS");
-    add_sign_options(parser, own.sign);
+    add_sign_option_of_outer(parser, own.sign);
     add_placement_options(parser, own.reading);
     add_weld_option(parser, own.reading);
     add_skip_option(parser, own.reading);

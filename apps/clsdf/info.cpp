@@ -64,7 +64,8 @@ std::vector<Group> groups_of(const clsdf::Mesh& mesh) {
 
 struct Info {
     Info(const InfoOptions& options, const clsdf::Mesh& mesh)
-        : vertices(mesh.vertices().size()),
+        : box(mesh.box()),
+          vertices(mesh.vertices().size()),
           triangles(mesh.triangles().size()),
           topology(describe_topology(mesh)),
           defects(find_defects(mesh)),
@@ -75,6 +76,7 @@ struct Info {
         if (options.self_intersections) self_intersections = clsdf::reference::find_self_intersections(mesh).size();
     }
 
+    clsdf::Box box;
     std::size_t vertices;
     std::size_t triangles;
     clsdf::Topology topology;
@@ -140,7 +142,8 @@ Json describe(const Info& info) {
                           {"area", group.area},
                           {"lower", group.box.lower},
                           {"upper", group.box.upper}});
-    return {{"vertices", info.vertices},
+    return {{"box", {{"lower", info.box.lower}, {"upper", info.box.upper}}},
+            {"vertices", info.vertices},
             {"triangles", info.triangles},
             {"saddle_vertices", vertices(VertexKind::saddle)},
             {"irregular_saddle_vertices", info.saddles.irregular.size()},
@@ -196,6 +199,9 @@ void print_human(const Info& info) {
     print_text("mesh      {} vertices, {} triangles, {} {}; {}\n", info.vertices, info.triangles,
                info.defects.components, info.defects.components == 1 ? "component" : "components",
                closedness(info.topology));
+    print_text("{}",
+               fmt::format("box       ({:.6g}) to ({:.6g}), longest side {:.6g}\n", fmt::join(info.box.lower, ", "),
+                           fmt::join(info.box.upper, ", "), info.box.longest_side()));
     print_text("saddles   {} ({:.1f}%), {} of them not regular\n", vertices(VertexKind::saddle),
                part * static_cast<double>(vertices(VertexKind::saddle)), info.saddles.irregular.size());
     print_text("gaps      {} by adjacent pairs of planes, {} by all pairs\n", info.saddles.adjacent_gaps.size(),
@@ -318,13 +324,11 @@ ExitStatus describe_field(const std::string& path, Report& report) {
 
 ExitStatus run(const InfoOptions& options, Report& report) {
     if (options.mesh.size() == 1 && is_field(options.mesh.front())) {
-        if (options.self_intersections || options.outer || !options.reading.weld.empty() ||
-            options.reading.skip_bad_facets || !options.reading.group_by.empty())
-            throw clsdf::Error(
-                clsdf::ErrorCode::invalid_argument,
-                fmt::format("{}: --weld, --skip-bad-facets, --group-by, --outer and --self-intersections are about "
-                            "meshes, and this is a field; leave them out",
-                            options.mesh.front()));
+        if (options.self_intersections || options.outer || options.reading.is_told())
+            throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                               fmt::format("{}: options of reading a mesh, --outer and --self-intersections are about "
+                                           "meshes, and this is a field; leave them out",
+                                           options.mesh.front()));
         return describe_field(options.mesh.front(), report);
     }
     const Info info(options, read_body(options.mesh, options.reading, report));
@@ -350,6 +354,7 @@ Command add_info(Parser& program) {
     add_weld_option(parser, options->reading);
     add_skip_option(parser, options->reading);
     add_group_option(parser, options->reading);
+    add_placement_options(parser, options->reading);
     parser.add("--outer", options->outer, "volume and area of the outer surface, and faces hidden within others, too");
     parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
     parser.set_footer(

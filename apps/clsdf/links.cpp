@@ -74,6 +74,7 @@ ExitStatus run(const LinksOptions& options, bool is_order_given, Report& report)
     output_is_written();
     report.print("done    {} links in {:.3f} s\n", links.size(), made.seconds);
     report.print("wrote   {}\n", options.grid.output);
+    if (links.size() == 0) report.warn(warning_of_nothing("no link meets the surface", made.grid, made.box));
     report.result = describe(options, made);
     report.result["links"] = links.size();
     report.result["directions"] = directions;

@@ -254,6 +254,11 @@ void add_sign_options(Parser& parser, SignChoice& choice) {
     add_floor_option(parser, choice.floor);
 }
 
+void add_sign_option_of_outer(Parser& parser, SignChoice& choice) {
+    parser.add("--sign", choice.rule, "the rule that decides what is inside")
+        .takes_one_of({"auto", "nonzero", "parity"});
+}
+
 void add_surface_option(Parser& parser, std::string& surface) {
     parser.add("--surface", surface, "outer: without faces within other parts, as clsdf outer writes it")
         .takes_one_of({"given", "outer"});

@@ -64,6 +64,12 @@ struct MeshReading {
     bool skip_bad_facets = false;
     std::string weld;
     std::string group_by;
+
+    /// Whether something is not as usual.
+    bool is_told() const {
+        return scale != 1 || up != "z" || !rotate.empty() || !translate.empty() || skip_bad_facets || !weld.empty() ||
+               !group_by.empty();
+    }
 };
 /// Adds --scale, --up, --rotate and --translate.
 void add_placement_options(Parser& parser, MeshReading& reading);
@@ -151,6 +157,8 @@ struct SignChoice {
     std::string surface = "given";
 };
 void add_sign_options(Parser& parser, SignChoice& choice);
+/// Adds --sign with the rules that an outer surface can have.
+void add_sign_option_of_outer(Parser& parser, SignChoice& choice);
 /// Adds --surface.
 void add_surface_option(Parser& parser, std::string& surface);
 /// Throws Error(invalid_argument) if the rule in use is `none`: `what` needs a sign ("--hits walls"). It names the

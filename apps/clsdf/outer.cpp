@@ -67,7 +67,7 @@ Command add_outer(Parser& program) {
         .takes("FILE")
         .in_usage()
         .required();
-    add_sign_options(parser, options->sign);
+    add_sign_option_of_outer(parser, options->sign);
     add_weld_option(parser, options->reading);
     add_skip_option(parser, options->reading);
     add_placement_options(parser, options->reading);

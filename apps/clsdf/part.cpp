@@ -190,9 +190,13 @@ ExitStatus run(const PartChoice& choice, Report& report) {
         const ScratchMemory::Use use = scratch->use();
         report.print("memory  {}, and {} on disk\n", human_bytes(static_cast<double>(use.most_resident)),
                      human_bytes(static_cast<double>(use.most_bytes)));
+        if (use.missed > 0)
+            report.warn(fmt::format("arrays of {} stayed in memory, for lack of open files; allow more (ulimit -n)",
+                                    human_bytes(static_cast<double>(use.missed))));
         report.result["memory"] = {{"resident_bytes", use.most_resident},
                                    {"scratch_bytes", use.most_bytes},
                                    {"blocks", use.blocks},
+                                   {"missed_bytes", use.missed},
                                    {"waited_seconds", use.waited}};
     }
     return ExitStatus::done;

@@ -93,7 +93,7 @@ Asked read_bodies(const QueryOptions& options, Report& report) {
         asked.bodies.meshes.push_back(read_body(options.meshes(), options.reading, report));
         return asked;
     }
-    refuse_beside_scene(options.meshes(), options.sign, options.with, true);
+    refuse_beside_scene(options.meshes(), options.sign, options.with);
     asked.scene = read_scene(options.mesh);
     asked.bodies = read_meshes(*asked.scene, options.reading, report);
     return asked;

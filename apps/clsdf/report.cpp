@@ -147,6 +147,7 @@ std::string human(const clsdf::FaceGroups& groups) {
 using clsdf::ErrorCode;
 
 void Report::warn(const std::string& warning) {
+    if (warning.empty()) return;
     warnings_.push_back(warning);
     print_text("{}\n", verbose ? "warning: " + warning : two_lines_of("warning: " + warning));
 }

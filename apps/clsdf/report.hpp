@@ -92,8 +92,8 @@ struct Report {
         if (!quiet) print_text(format, values...);
     }
 
-    /// Prints a warning, also with --quiet, shortened unless with --verbose, and adds it in full to the result's member
-    /// "warnings", which always exists.
+    /// Prints a warning, if it is not empty, also with --quiet, shortened unless with --verbose, and adds it in full to
+    /// the result's member "warnings", which always exists.
     void warn(const std::string& warning);
 
     /// Prints the error, and with --json the result, which contains it.

@@ -164,13 +164,7 @@ std::size_t SceneMeshes::triangles() const {
 }
 
 void refuse_beside_scene(const std::vector<std::string>& meshes, const SignChoice& sign,
-                         const std::vector<std::string>& with, bool takes_surface) {
-    if (sign.surface != "given" && !takes_surface)
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("--surface: '{}' is a scene, which is held against the bodies as given; leave it out, or "
-                        "make the outer surface a mesh by \"clsdf outer\"",
-                        *std::ranges::find_if(meshes, is_scene_file)));
+                         const std::vector<std::string>& with) {
     const char* const option = meshes.size() > 1                          ? "several files"
                                : sign.rule != "auto"                      ? "--sign"
                                : sign.floor                               ? "--floor"

@@ -37,10 +37,9 @@ struct SceneMeshes {
     std::size_t triangles() const;
 };
 
-/// Throws Error(invalid_argument) for options that a scene's file has, or that are of one mesh. takes_surface:
-/// --surface is no such option.
+/// Throws Error(invalid_argument) for options that a scene's file has, or that are of one mesh.
 void refuse_beside_scene(const std::vector<std::string>& meshes, const SignChoice& sign,
-                         const std::vector<std::string>& with, bool takes_surface = false);
+                         const std::vector<std::string>& with);
 SceneMeshes read_meshes(const SceneFile& file, const MeshReading& reading, Report& report);
 /// With the bodies in the order of the file.
 clsdf::Scene make_scene(const SceneFile& file, const SceneMeshes& meshes, const clsdf::Device& device,

@@ -65,7 +65,7 @@ void ScratchBlocks::open_folder(int folder, std::size_t least_block) {
     const std::lock_guard lock(mutex_);
     folder_ = folder;
     failure_ = {};
-    made_ = 0;
+    made_ = missed_ = 0;
     most_bytes_ = used_;
     least_block_ = std::max(least_block, std::size_t{1});
 }
@@ -87,7 +87,11 @@ void* ScratchBlocks::add(std::size_t bytes, std::size_t alignment, bool& is_full
     }
     if (folder < 0) return nullptr;
     const int file = make_file(folder);
-    if (file < 0 && (errno == EMFILE || errno == ENFILE)) return nullptr;
+    if (file < 0 && (errno == EMFILE || errno == ENFILE)) {
+        const std::lock_guard lock(mutex_);
+        missed_ += whole_pages;
+        return nullptr;
+    }
     const int error = file < 0 ? errno : reserve(file, whole_pages);
     if (error != 0) {
         if (file >= 0) ::close(file);
@@ -100,6 +104,8 @@ void* ScratchBlocks::add(std::size_t bytes, std::size_t alignment, bool& is_full
     if (mapped != MAP_FAILED && put({static_cast<std::byte*>(mapped), whole_pages, file})) return mapped;
     if (mapped != MAP_FAILED) ::munmap(mapped, whole_pages);
     ::close(file);
+    const std::lock_guard lock(mutex_);
+    missed_ += whole_pages;
     return nullptr;
 }
 

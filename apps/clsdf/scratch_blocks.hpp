@@ -37,6 +37,8 @@ public:
     Failure failure() const;
     std::size_t most_bytes() const { return most_bytes_; }
     std::size_t made() const { return made_; }
+    /// Bytes that are not in files, because there were too many blocks or files: of all together.
+    std::size_t missed() const { return missed_; }
 
     /// A piece of a block whose pages leave the memory together. It has whole large pages of the system's cache, which
     /// would stay otherwise.
@@ -80,7 +82,7 @@ private:
     std::array<Block, most_blocks> blocks_{};
     std::size_t end_ = 0;  // the slots in use lie before
     std::uint32_t serial_ = 0;
-    std::size_t used_ = 0, made_ = 0, most_bytes_ = 0;
+    std::size_t used_ = 0, made_ = 0, most_bytes_ = 0, missed_ = 0;
     Failure failure_;
     std::size_t hand_slot_ = 0, hand_offset_ = 0;  // of unmap_next()
 };

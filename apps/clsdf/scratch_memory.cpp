@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 #include <algorithm>
@@ -47,6 +48,14 @@ void check_file_system(const std::string& folder, int descriptor) {
         refuse(folder, "is on a file system that a server may have, for which pages of memory would wait");
 }
 
+/// Each block is a file, and the usual limit is 1,024.
+void allow_more_files() {
+    struct rlimit limit {};
+    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 int open_folder(const std::string& folder) {
     const int opened = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (opened < 0)
@@ -76,6 +85,7 @@ extern "C" void end_at_lost_page(int signal, siginfo_t* info, void*) {
 ScratchMemory::ScratchMemory(const std::string& folder, std::size_t memory, std::size_t least_block)
     : folder_(folder), opened_(open_folder(folder)), watcher_(memory) {
     check_file_system(folder, opened_.number());
+    allow_more_files();
     ScratchBlocks& blocks = ScratchBlocks::of_process();
     blocks.open_folder(opened_.number(), least_block);
     // One block shows whether the folder takes any.
@@ -112,5 +122,5 @@ void ScratchMemory::throw_if_full() const {
 
 ScratchMemory::Use ScratchMemory::use() const {
     const ScratchBlocks& blocks = ScratchBlocks::of_process();
-    return {blocks.most_bytes(), watcher_.most_resident(), blocks.made(), watcher_.stopped_seconds()};
+    return {blocks.most_bytes(), watcher_.most_resident(), blocks.made(), blocks.missed(), watcher_.stopped_seconds()};
 }

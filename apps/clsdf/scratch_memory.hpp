@@ -37,6 +37,7 @@ public:
         std::size_t most_bytes = 0;     ///< of all blocks at once
         std::size_t most_resident = 0;  ///< of the process, and of pages of its blocks that are on their way to disk
         std::size_t blocks = 0;         ///< that there were
+        std::size_t missed = 0;         ///< bytes of arrays that stayed in memory, for lack of files
         double waited = 0;              ///< seconds in which all threads waited for the disk
     };
     Use use() const;

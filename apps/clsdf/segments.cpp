@@ -48,7 +48,9 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
     const std::size_t vertices = mesh->vertices().size(), triangles = mesh->triangles().size();
     SegmentRun run;
     if (wants_groups(own.with, *mesh)) run.groups = mesh->groups();
-    run.grid = request.grid_around(mesh->box());
+    run.box = mesh->box();
+    run.grid = request.grid_around(run.box);
+    report.warn(warning_of_size(run.grid, run.box));
     run.device = device.name();
     const Interruption interruption;
     try {

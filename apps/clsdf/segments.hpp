@@ -21,6 +21,7 @@ void add_segment_options(Parser& parser, SegmentOptions& options, const char* ou
 
 struct SegmentRun {
     clsdf::Grid grid;
+    clsdf::Box box{};  ///< around the mesh
     clsdf::SignRule sign = clsdf::SignRule::none;
     double seconds = 0;
     std::string device;

@@ -95,6 +95,6 @@ std::string two_lines_of(const std::string& warning) {
     // A first clause that is too long ends with a word.
     for (std::size_t end = text.rfind(' ', ends.front()); end != std::string::npos && end > 0;
          end = text.rfind(' ', end - 1))
-        if (auto lines = cut(text.substr(0, end))) return *lines;
+        if (auto lines = wrapped(text.substr(0, end) + " ... (--verbose tells more)")) return lines.value();
     return text;
 }

@@ -355,9 +355,14 @@ void fractions(const Device& device, const OuterSurface& surface, const Grid& gr
     count = 0;
     cutting::check_cells(grid);
     if (calls::are_found_by_kernels(device, surface, grid, rows)) {
-        with_host_memory("for the cells of the grid; give a smaller one",
-                         [&] { calls::fractions_by_kernels(device, surface, grid, rows, count, options, call); });
-        return;
+        try {
+            with_host_memory("for the cells of the grid; give a smaller one",
+                             [&] { calls::fractions_by_kernels(device, surface, grid, rows, count, options, call); });
+            return;
+        } catch (const Error& error) {
+            // Kernels have memory for each layer in the box of a triangle, of which a slender one meets few.
+            if (error.code() != ErrorCode::out_of_memory) throw;
+        }
     }
     Memory memory(std::in_place, device::context_of(device));
     device::guarded([&] { write_rows(memory, surface, grid, rows, count, options, call); });

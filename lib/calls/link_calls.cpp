@@ -62,7 +62,8 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     calls::RunningCall running{call};
     running.throw_if_stopped();
     if (const auto* restriction = kept_mesh->restriction()) {
-        restriction->check(with_margin, Band::signs_only(), sign);
+        restriction->check(with_margin, Band::signs_only(), sign,
+                           "the samples of the grid, and those beside it to which links lead,");
         // The part has not the whole floor.
         if (const double lowest = with_margin.position(0, 0, 0)[2]; sign == SignRule::below && lowest <= *floor)
             throw Error(

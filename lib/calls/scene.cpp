@@ -283,7 +283,10 @@ KeptMemory Scene::memory() const {
         if (shape.moved) add(*shape.moved);
     }
     if (state.joined) add(state.joined->transform);
-    if (state.cut_union) add(state.cut_union->transform);
+    if (state.cut_union) {
+        add(state.cut_union->transform);
+        sum.host_bytes += (state.cut_union->bodies.size() + state.cut_union->faces.size()) * sizeof(std::uint32_t);
+    }
     const std::scoped_lock lock_of_lines(state.mutex);
     if (state.meeting_lines) sum.host_bytes += state.meeting_lines->host_bytes();
     return sum;

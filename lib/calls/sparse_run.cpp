@@ -169,8 +169,7 @@ private:
         const Slab slab{&batch_, slabs_.back()};
         if (!plan_ && slab.is_whole()) plan_ = state_.take_plan(batch_.job);
         if (!plan_) plan_ = plans_.make(slab);
-        const double share =
-            static_cast<double>(slab.grid.sample_count()) / static_cast<double>(batch_.job.grid.sample_count());
+        const double share = share_of(slab.grid);
         // The coarse bricks' lists say how many bricks there may be.
         const auto coarse = static_cast<double>(plan_->statistics.coarse_bricks);
         const std::size_t guess = static_cast<std::size_t>(std::ceil(bricks_of_coarse_ * coarse)) + 64;
@@ -182,8 +181,10 @@ private:
             room = count();
         }
         if (coarse > 0) bricks_of_coarse_ = std::max(bricks_of_coarse_, 1.1 * static_cast<double>(count()) / coarse);
-        done_ += share;
-        add_slab(running_.statistics, plan_->statistics);
+    }
+
+    double share_of(const Grid& slab) const {
+        return static_cast<double>(slab.sample_count()) / static_cast<double>(batch_.job.grid.sample_count());
     }
 
     void run_plan(std::size_t room, double share) {
@@ -273,8 +274,10 @@ private:
 
     void deliver() {
         const Grid part = slabs_.back();
+        done_ += share_of(part);
         {
             const std::scoped_lock lock(state_.mutex);
+            add_slab(running_.statistics, plan_->statistics);
             const Slab slab{&batch_, part};
             if (slab.is_whole()) {
                 state_.keep(std::move(plan_));

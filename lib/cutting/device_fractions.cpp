@@ -40,7 +40,7 @@ cl::Program store_cells(const engine::DeviceTools& tools) {
 }
 
 constexpr const char* purpose = "cut cells";
-constexpr std::size_t most_numbers = std::numeric_limits<cl_uint>::max() - 4096;
+constexpr std::size_t most_numbers = DeviceFractions::most_numbers;
 
 /// Launches a kernel whose last arguments are a range of [0, items), behind these.
 template <class... Arguments>

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -55,6 +56,8 @@ class DeviceFractions {
 public:
     using Lease = device::BufferPool::Lease;
 
+    /// Of layers of triangles, and of triangles in cells.
+    static constexpr std::size_t most_numbers = std::numeric_limits<cl_uint>::max() - 4096;
     /// Whether 32 bits number what the surface leaves in the grid.
     static bool can_number(const Mesh& mesh, const Grid& grid);
 

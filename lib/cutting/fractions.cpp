@@ -151,6 +151,7 @@ public:
             results_.back().full.assign((nx * ny * nz + 7) / 8, 0);  // now, so that too many cells are refused now
             const OnLattice& lattice = lattices.of(grid);
             for (std::int64_t k = 0; k < grid.size[2] - 1; ++k) slabs_.push_back({&grid, &lattice, k, {}, {}});
+            widest_ = std::max(widest_, nx * ny);
         }
     }
 
@@ -168,7 +169,7 @@ public:
                 if (cancellation.is_callers_thread())
                     progress(static_cast<double>(done) / static_cast<double>(slabs_.size()));
             },
-            1);
+            slabs_per_task());
         std::size_t at = 0;
         for (Fractions& result : results_) {
             const std::size_t nz = result.counts()[2];
@@ -193,6 +194,15 @@ private:
         std::vector<CellFraction> rows;
         std::vector<CellType> types;
     };
+
+    /// So many that the workers of all tasks have bytes_of_workers together, or there is one worker. A loop divides
+    /// ranges until they have so many slabs or fewer, so a task has more than half as many.
+    std::size_t slabs_per_task() const {
+        constexpr std::size_t bytes_of_cell = 64;  // of a layer: sums of its lines, and types
+        constexpr std::size_t bytes_of_workers = std::size_t{4} << 30;
+        const std::size_t workers = std::max<std::size_t>(1, bytes_of_workers / bytes_of_cell / widest_);
+        return std::max<std::size_t>(1, 2 * slabs_.size() / workers);
+    }
 
     void run(OneSlab& one, Worker& worker) const {
         const Grid& grid = *one.grid;
@@ -238,6 +248,7 @@ private:
     const FractionOptions& options_;
     std::vector<Fractions> results_;
     std::vector<OneSlab> slabs_;
+    std::size_t widest_ = 1;  // cells of a layer
 };
 
 /// Cells of grids that are in memory together, if there are several.
@@ -305,7 +316,7 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
     cutting::check_options(options);
     for (const Grid& grid : grids) cutting::check_cells(grid);
     if (!sink) throw Error(ErrorCode::invalid_argument, "fractions of cells need a sink, and it is empty");
-    with_host_memory("for the cells of the grids; give smaller ones, or take slabs (fraction_slabs())", [&] {
+    with_host_memory("for the cells of the grids; take parts of them, one after the other", [&] {
         const Cancellation cancellation(call.should_stop, "the search for cut cells");
         Lattices lattices(surface.mesh, grids, options);
         for (std::size_t begin = 0, end = 0; begin < grids.size(); begin = end) {
@@ -338,7 +349,7 @@ void fraction_slabs(const OuterSurface& surface, const Grid& grid, const Fractio
                     const FractionOptions& options, const CallOptions& call) {
     cutting::check_cells(grid);
     const auto [nx, ny, nz] = grid.size;
-    const std::int64_t layers = std::max(least_layers, batch_cells / ((nx - 1) * (ny - 1)));
+    const std::int64_t layers = std::max(least_layers, batch_cells / (nx - 1) / (ny - 1));
     std::vector<Grid> slabs;
     for (std::int64_t k = 0; k < nz - 1; k += layers)
         slabs.push_back(grid.part({0, 0, k}, {nx, ny, std::min(layers, nz - 1 - k) + 1}));

@@ -43,12 +43,17 @@ ResolvedSignRule checked_rule(SignRule asked, const Mesh& mesh, const Topology& 
     const ResolvedSignRule resolved = is_known ? resolve_sign_rule(asked, topology) : ResolvedSignRule{asked, {}};
     if (resolved.rule == SignRule::nonzero || resolved.rule == SignRule::parity) return resolved;
     const std::string why = resolved.warning.empty() ? "" : "; " + resolved.warning;
+    if (topology.closed)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("{}: the outer surface needs the sign rule nonzero or parity, not {}; take auto",
+                                mesh.name(), name_of(resolved.rule)));
     throw Error(
         ErrorCode::unsupported,
-        fmt::format("{}: the outer surface needs the sign rule nonzero or parity, and {} {}: close the mesh, for "
-                    "example by walls and a floor (close_down()) or by joined seams (weld()){}",
-                    mesh.name(), asked == SignRule::automatic ? "the mesh has the rule" : "this is",
-                    name_of(resolved.rule), why));
+        fmt::format("{}: the outer surface needs the sign rule nonzero or parity, so a closed mesh, and this one has "
+                    "{} open edges; join its seams (weld), "
+                    "close a terrain by walls and a floor (close_down(), clsdf close), or fill its holes by another "
+                    "program{}",
+                    mesh.name(), topology.open_edges, why));
 }
 
 /// Whole faces that meet no other face, and the pieces of those that do.

@@ -93,7 +93,9 @@ void StoredRows::enqueue(const cutting::DeviceFractions& cuts, const engine::Dev
 void FractionPlanState::make(const OuterSurface& surface, AskedFractions asked,
                              const std::function<void(double)>& between) {
     // What bodies that move need beside what they need now.
-    const auto with_slack = [](std::size_t count) { return count + count / 4 + 1024; };
+    const auto with_slack = [](std::size_t count) {
+        return std::min(count + count / 4 + 1024, cutting::DeviceFractions::most_numbers);
+    };
     update(std::move(asked), [&] {
         const AskedFractions& now = this->asked();
         cutting::check_cells(now.grid);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cutting/cancellation.hpp"
+#include "mesh/mesh_arrays.hpp"
 #include "points/few_points.hpp"
 #include "points/usable_points.hpp"
 #include "scenes/body_tree.hpp"
@@ -9,7 +10,6 @@
 #include <clsdf/mesh.hpp>
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -53,10 +53,6 @@ struct HalfWidths {
 
     double of(std::uint32_t body) const { return each[each.size() == 1 ? 0 : body]; }
 };
-
-inline bool is_finite(const Vec3& p) {
-    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
 
 inline const engine::PointMesh& mesh_of(const SearchedBody& body) {
     return *body.shape->inputs.on_host;

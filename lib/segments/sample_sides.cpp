@@ -2,11 +2,13 @@
 
 #include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
+#include "launch/prefix_sums.hpp"
 #include "mesh/box_index.hpp"
 #include "segments/open_edges_of_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -149,6 +151,7 @@ BoxSides::BoxSides(const engine::CrossedFaces& faces, SignRule rule, const Sampl
                       bits_.begin() + static_cast<std::ptrdiff_t>(end), 0);
         },
         std::size_t{1} << 16);
+    if (box.row_count() >= std::numeric_limits<std::uint32_t>::max()) throw engine::too_many("rows of samples");
     row_begins_.assign(box.row_count() + 1, 0);
     if (rule == SignRule::none) return;
     find_changes(faces, near != nullptr ? *near : std::vector<engine::RecordRange>{{0, faces.count()}});
@@ -275,6 +278,7 @@ void BoxSides::add_changes_of_edges(const engine::CrossedFaces& faces, std::vect
 void BoxSides::sort_changes(std::vector<std::vector<Change>>& found) {
     std::size_t count = 0;
     for (const auto& changes : found) count += changes.size();
+    if (count >= std::numeric_limits<std::uint32_t>::max()) throw engine::too_many("crossings of rows of samples");
     std::vector<Change> all;
     all.reserve(count);
     for (auto& changes : found) {

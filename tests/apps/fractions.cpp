@@ -113,5 +113,5 @@ BOOST_AUTO_TEST_CASE(conventions_of_fractions_are_options) {
     check_refused(inputs.run(inputs.folder.file("bar.csv"), {}), 2, {".npz", ".vti"});
     const std::string open = inputs.folder.file("open.off");
     write_mesh(Mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, "open"), open);
-    check_refused(run_command({"fractions", open, "-o", npz}), 2, {"outer surface", "close the mesh"});
+    check_refused(run_command({"fractions", open, "-o", npz}), 2, {"outer surface", "closed mesh"});
 }

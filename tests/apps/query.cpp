@@ -338,6 +338,16 @@ BOOST_AUTO_TEST_CASE(results_of_any_program_are_judged_at_their_points) {
     BOOST_TEST(passed.status == 0, passed.error);
     BOOST_TEST(nlohmann::json::parse(passed.out)["points"] == 4);
 
+    // The structures that it writes itself, too.
+    const std::string structures = inputs.folder.file("found.npy");
+    BOOST_REQUIRE(run_command({"query", inputs.mesh, inputs.csv, "-o", structures, "--with", "closest"}).status == 0);
+    BOOST_TEST(run_command({"check", inputs.mesh, "--points", inputs.csv, "--distances", structures, "--closest",
+                            structures, "--quiet"})
+                   .status == 0);
+    check_refused(run_command({"check", inputs.mesh, "--points", inputs.csv, "--distances", structures, "--gradients",
+                               structures}),
+                  3, {"no member 'gradient' of 3 numbers, but 'distance' of 1, 'closest' of 3"});
+
     const std::string wrong = inputs.folder.file("wrong.csv", "distance\n0.5\n2.00001\n0\nnan\n");
     const Outcome failed = run_command({"check", inputs.mesh, "--points", inputs.csv, "--distances", wrong, "--json"});
     BOOST_TEST(failed.status == 1);

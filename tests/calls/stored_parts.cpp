@@ -151,3 +151,34 @@ BOOST_AUTO_TEST_CASE(bytes_with_wrong_values_and_the_right_hash_do_no_harm) {
         BOOST_TEST(used > 100U);
     }
 }
+
+namespace {
+
+/// Puts other values in the place of these, which are there once.
+template <typename Value, std::size_t N>
+std::vector<std::byte> with_others(std::vector<std::byte> bytes, const std::array<Value, N>& values,
+                                   const std::array<Value, N>& others) {
+    const auto sought = std::as_bytes(std::span(values));
+    const auto found = std::ranges::search(bytes, sought);
+    BOOST_REQUIRE_EQUAL(found.size(), sought.size());
+    BOOST_REQUIRE(std::search(found.begin() + 1, bytes.end(), sought.begin(), sought.end()) == bytes.end());
+    std::ranges::copy(std::as_bytes(std::span(others)), found.begin());
+    set_hash(bytes);
+    return bytes;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(loops_without_an_edge_and_regions_that_are_none_are_refused) {
+    const Mesh two_holes = without_triangle(without_triangle(make_shape("sphere3"), 300), 3);
+    const DistanceTransform whole(test_device(), two_holes, {.sign = SignRule::solid_angle});
+    const std::vector<std::byte> bytes = whole.restrict_to({{{0, 0, 0}, {1, 1, 1}}, 0.21, 0.11}).part_bytes();
+    using Begins = std::array<std::uint64_t, 4>;  // their number, and they
+    using Lengths = std::array<double, 2>;
+    for (const std::vector<std::byte>& wrong : {with_others(bytes, Begins{3, 0, 3, 6}, Begins{3, 0, 0, 6}),
+                                                with_others(bytes, Begins{3, 0, 3, 6}, Begins{3, 0, 6, 6}),
+                                                with_others(bytes, Lengths{0.21, 0.11}, Lengths{std::nan(""), 0.11}),
+                                                with_others(bytes, Lengths{0.21, 0.11}, Lengths{0.21, -1})})
+        check_throws(ErrorCode::invalid_argument, {"these bytes are no part"},
+                     [&] { DistanceTransform::from_part(test_device(), wrong); });
+}

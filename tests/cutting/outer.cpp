@@ -288,7 +288,7 @@ BOOST_AUTO_TEST_CASE(groups_and_faces_as_given) {
 BOOST_AUTO_TEST_CASE(refusals_name_the_remedy) {
     const Mesh box = box_mesh({{0, 0, 0}, {1, 1, 1}}, 0);
     const Mesh open(box.vertices(), {box.triangles().begin(), box.triangles().end() - 1}, "open box");
-    check_throws(ErrorCode::unsupported, {"close the mesh"}, [&] { outer(open); });
+    check_throws(ErrorCode::unsupported, {"closed mesh", "open edges"}, [&] { outer(open); });
     check_throws(ErrorCode::invalid_mesh, {"unbalanced"}, [&] { outer(open, SignRule::nonzero); });
     check_throws(ErrorCode::unsupported, {"none"}, [&] { outer(box, SignRule::none); });
     check_throws(ErrorCode::unsupported, {"below"}, [&] { outer(box, SignRule::below); });

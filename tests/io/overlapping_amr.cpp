@@ -99,6 +99,7 @@ BOOST_AUTO_TEST_CASE(a_box_that_does_not_fit_is_named_and_nothing_is_left) {
     Field beside = box(0.25, {0, 0, 0}, {2, 2, 2}, 0);
     beside.grid.origin[1] += 0.1;
     refused({beside}, "box 1 of a refined mesh: its cells lie 0.4 cells beside");
+    refused({box(0.5, {3, 3, 3}, {2, 2, 2}, 0)}, "box 1 of a refined mesh: it overlaps box 0 of the same spacing");
     refused({other_outputs}, "box 1 of a refined mesh: it has other outputs than box 0");
     CellBox short_box{coarse.grid, coarse.slab()};
     ++short_box.grid.size[0];

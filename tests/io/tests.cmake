@@ -3,7 +3,7 @@ clsdf_test(mesh_file_formats mesh_file_formats.cpp face_groups.cpp other_writers
 clsdf_test(mesh_file_damage LABELS io)
 
 # Files of fields.
-clsdf_test(field round_trip.cpp nrrd.cpp npy.cpp damaged.cpp output.cpp writer.cpp other_programs.cpp hdf5_default_settings.cpp overlapping_amr.cpp part_files.cpp vdb.cpp
+clsdf_test(field round_trip.cpp nrrd.cpp npy.cpp damaged.cpp output.cpp writer.cpp other_programs.cpp hdf5_default_settings.cpp overlapping_amr.cpp part_files.cpp segment_files.cpp vdb.cpp
            LABELS io)
 target_link_libraries(test_field PRIVATE clsdf_hdf5)
 

@@ -196,8 +196,8 @@ clsdf_status clsdf_count_fractions(const clsdf_mesh* mesh, std::int32_t sign, co
         const Call caller(call);
         const FractionOptions own = options_of(options);
         const Grid whole = c::grid_of(grid);
-        c::given(count, "count") =
-            static_cast<std::int64_t>(count_fractions(surface_of(self, sign, caller), whole, own, caller));
+        std::int64_t& told = c::given(count, "count");
+        told = static_cast<std::int64_t>(count_fractions(surface_of(self, sign, caller), whole, own, caller));
     });
 }
 

@@ -59,9 +59,9 @@ def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | Non
 def write_overlapping_amr(fields: Iterable[Field], path: str | os.PathLike[str]) -> None:
     """Writes fields on boxes of refined levels as VTK's OverlappingAMR (.vtkhdf): their samples are centres of cells,
     and ParaView and VTK show coarse cells where no finer box covers them (VTK 9.7 does, 9.1 cannot read it). Fields of
-    one spacing are a level, in any order. Complete or not at all.
+    one spacing are a level, in any order, and do not overlap. Complete or not at all.
 
-        clsdf.write_overlapping_amr([body.field(coarse, band), *body.fields(boxes, band)], "levels.vtkhdf")
+        clsdf.write_overlapping_amr([body.field(coarse, band=band), *body.fields(boxes, band=band)], "levels.vtkhdf")
 
     Raises clsdf.Error: invalid_argument names the box whose spacing or place does not fit the coarser level, or that
     has other outputs or another sign convention than the first; unsupported for another ending or the field of an image; output_failure."""

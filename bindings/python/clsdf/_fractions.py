@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple, overload
 
 import numpy as np
@@ -29,6 +29,9 @@ class Fractions(NamedTuple):
     face_centroids: npt.NDArray[np.float64]  #: (n, 6, 2) of the part there, along the two other axes
     full: npt.NDArray[np.bool_]  #: (nz - 1, ny - 1, nx - 1): the other cells that are wholly of the part
     grid: Grid
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Fractions: {len(self.cells)} cut and {np.count_nonzero(self.full)} full cells of grid {self.grid.shape}>"
 
     def dense(self, name: str = "volume") -> npt.NDArray[Any]:
         """A column for all cells, (nz - 1, ny - 1, nx - 1), with components last: 'volume', which is 0 or 1 in cells that
@@ -91,7 +94,11 @@ def fractions(
 
     Raises clsdf.Error as outer() does, and invalid_argument unless the grid has two samples or more on each axis. Uses all
     cores, without the GIL. mesh: as for mesh_hash()."""
-    grids = [grid] if isinstance(grid, Grid) else list(grid)
+    grids = list(grid) if isinstance(grid, Iterable) else [grid]
+    for one in grids:
+        if not isinstance(one, Grid):
+            raise Error(f"grid: {one!r} is no clsdf.Grid; body.grid(resolution=...) makes one")
+    mesh = getattr(mesh, "surface", mesh) if isinstance(mesh, tuple) else mesh  # of a SceneSurface
     is_outer = isinstance(mesh, OuterSurface)
     vertices, faces, _ = arrays_of(mesh.mesh if is_outer else mesh)
     found = _core.fractions(vertices, faces, grids, sign, is_outer, convention, part or "", walls or "", snap)

@@ -48,11 +48,14 @@ def motion_of(name: str, rotation: Any, translation: Any = None) -> Motion:
     turn, shift = vectors(name, rotation, (3, 3)), vectors("translation", translation, (3,))
     error = np.abs(turn @ turn.T - np.eye(3)).max()
     if not error <= 1e-5 or not np.linalg.det(turn) > 0:
-        kind = "a reflection" if error <= 1e-5 else f"{error:.2g} off"
+        if error <= 1e-5:
+            raise Error(f"{name}: the matrix is no rotation, but a reflection, which would turn the mesh inside out; mirror "
+                        "the vertices, and exchange two vertices of each face, before you add it")
         raise Error(
-            f"{name}: the matrix is no rotation to 1e-5, but {kind}; "
+            f"{name}: the matrix is no rotation to 1e-5, but {error:.2g} off; "
             "u, _, v = numpy.linalg.svd(matrix) makes the nearest one, u @ v, of a matrix that is nearly one, and "
-            "scipy.spatial.transform.Rotation makes one of angles or a quaternion, and is one"
+            "scipy.spatial.transform.Rotation makes one of angles or a quaternion, and is one; a pose has no scale: scale "
+            "the vertices"
         )
     if not np.isfinite(shift).all():
         raise Error(f"translation: {shift.tolist()} is not finite")

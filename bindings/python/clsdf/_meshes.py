@@ -101,10 +101,17 @@ def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
         return vertices, faces, os.path.basename(path)
     if isinstance(mesh, Mesh):
         return mesh.vertices, mesh.faces, mesh.name
+    if isinstance(mesh, OuterSurface) or isinstance(getattr(mesh, "surface", None), OuterSurface):
+        place = "surface.mesh" if isinstance(mesh, OuterSurface) else "found.surface.mesh"
+        raise Error(f"a {_name_of(mesh)} is no mesh; pass the mesh in it, {place}")
     if isinstance(mesh, (tuple, list)):
         if len(mesh) != 2:
             raise Error(f"a mesh as a tuple is (vertices, faces); this one has {len(mesh)} items")
         return as_array(mesh[0], np.float64), as_array(mesh[1], np.int64), "mesh"
+    if hasattr(mesh, "add_instance"):
+        raise Error("a clsdf.Scene is no mesh; scene.outer().surface.mesh is that of the union of its bodies")
+    if hasattr(mesh, "_made_of"):
+        _refuse_options(mesh)
     if hasattr(mesh, "geometry") and hasattr(mesh, "graph"):
         raise Error(f"a {_name_of(mesh)} is a scene of meshes: pass scene.to_mesh(), which makes one mesh of all, or a "
                     "Transform for each of scene.geometry.values()")
@@ -118,6 +125,33 @@ def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
         f"a {_name_of(mesh)} is no mesh that is known: pass a path, (vertices, faces), "
         "or a mesh of trimesh, pyvista, meshio or open3d"
     )
+
+
+def _number(name: str, value: Any, unit: str) -> float:
+    try:
+        if isinstance(value, (str, bool)):
+            raise TypeError
+        return float(value)
+    except (TypeError, ValueError):
+        raise Error(f"{name}: {repr(value)[:100]} is no number, {unit}") from None
+
+
+def _three(name: str, values: Any) -> tuple[float, float, float]:
+    try:
+        x, y, z = np.asarray(values, np.float64).tolist()
+    except (TypeError, ValueError):
+        raise Error(f"{name}: {repr(values)[:100]} is not three numbers, x, y and z") from None
+    return x, y, z
+
+
+def _refuse_options(body: Any) -> None:
+    """A transform is taken as its mesh, without what it was told about the sign."""
+    _, _, sign, _, floor, surface = body._made_of
+    told = [f"{name}={value!r}" for name, value, usual in
+            (("sign", sign, "auto"), ("floor", floor, None), ("surface", surface, "given")) if value != usual]
+    if told:
+        raise Error(f"a clsdf.Transform is taken as its mesh alone, and this one has {', '.join(told)}; pass "
+                    "(body.vertices, body.faces), and the options again where they are taken")
 
 
 def as_array(values: Any, dtype: type) -> Any:
@@ -245,9 +279,13 @@ def read_mesh(
     line or the element; unsupported for an unknown ending; invalid_argument unless scale > 0, or for a property that
     there is not."""
     paths = [os.fspath(name) for name in (path, *more)]
-    vertices, faces, groups = _core.read_mesh(paths, scale, translate, up, rotate, group_by, skip_bad_facets)
-    if weld != 0:
-        vertices, faces = _core.weld(vertices, faces, weld)
+    vertices, faces, groups = _core.read_mesh(
+        paths, _number("scale", scale, "as 0.001, which makes metres of millimetres"), _three("translate", translate), up,
+        _three("rotate", rotate), group_by, skip_bad_facets,
+    )  # fmt: skip
+    tolerance = _number("weld", weld, "in the units of the mesh")
+    if tolerance != 0:
+        vertices, faces = _core.weld(vertices, faces, tolerance)
     mesh = Mesh(vertices, faces, name=" + ".join(os.path.basename(os.fsdecode(name)) for name in paths))
     mesh.groups = Groups(*groups)
     return mesh
@@ -269,7 +307,7 @@ def weld(mesh: MeshLike, tolerance: float = 0.0) -> Mesh:
     how many faces lose their area, as those of a wall that is thinner than the tolerance. The groups of a Mesh stay.
     mesh: as for mesh_hash()."""
     vertices, faces, name = arrays_of(mesh)
-    welded = Mesh(*_core.weld(vertices, faces, tolerance), name=name)
+    welded = Mesh(*_core.weld(vertices, faces, _number("tolerance", tolerance, "in the units of the mesh")), name=name)
     if isinstance(mesh, Mesh):
         welded.groups = mesh.groups
     return welded
@@ -281,7 +319,7 @@ def close_down(mesh: MeshLike, floor: float) -> Mesh:
     (invalid_mesh) if a face looks down or if the rim overlaps itself, seen from above; (invalid_argument) if the floor
     is not below all vertices. mesh: as for mesh_hash()."""
     vertices, faces, name = arrays_of(mesh)
-    return Mesh(*_core.close_down(vertices, faces, floor), name=name)
+    return Mesh(*_core.close_down(vertices, faces, _number("floor", floor, "the z of the floor")), name=name)
 
 
 class OuterSurface(NamedTuple):
@@ -294,6 +332,10 @@ class OuterSurface(NamedTuple):
     hidden_faces: int  #: and not at all
     volume: float  #: inside, in cubed units of the mesh
     area: float  #: of the outer surface, in squared units
+
+    def __repr__(self) -> str:
+        return (f"<clsdf.OuterSurface: {len(self.mesh.faces)} faces; of those given {self.whole_faces} whole, "
+                f"{self.partial_faces} in parts, {self.hidden_faces} hidden; volume {self.volume:.6g}, area {self.area:.6g}>")
 
 
 def outer(mesh: MeshLike, sign: str = "auto") -> OuterSurface:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -37,6 +38,9 @@ class SceneSurface(NamedTuple):
     #: faces: within the mesh of their body; whole_faces and the like: of the faces of the bodies' own outer surfaces
     surface: _meshes.OuterSurface
     bodies: npt.NDArray[np.uint32]  #: (m,): of each face of surface.mesh
+
+    def __repr__(self) -> str:
+        return f"<clsdf.SceneSurface of {len(np.unique(self.bodies))} bodies: {self.surface!r}>"
 
 
 def _numbers(what: str, values: Any, shape: tuple[int, ...] | None) -> npt.NDArray[np.float64]:
@@ -181,6 +185,8 @@ class Scene(WithFields):
         turn with a body."""
         if not isinstance(sign, str):
             raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle' or 'none'")
+        if isinstance(mesh, (str, os.PathLike)) and faces is not None:
+            raise Error("the second argument is faces, which belong to vertices; write pose= for a pose")
         vertices, faces, _ = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
         return self._body.add(vertices, faces, _one_pose(pose), sign)
 

@@ -194,11 +194,17 @@ class Transform(WithFields):
 
     @property
     def volume(self) -> float:
-        """Of the faces as given, at their present positions, in cubed units: what they enclose, each part by its winding
-        number. So the overlap of two parts counts twice, and a part that is inside out counts negative;
-        clsdf.outer(mesh).volume is that of the union. It depends on the place of a mesh that is open. Rounded to about
-        1e-13 of the box."""
-        return _meshes.volume_of(self.vertices, self.faces)
+        """What the faces enclose, at their present positions, in cubed units, rounded to about 1e-13 of the box. Of a mesh
+        whose faces are balanced as they are, each part by its winding number: the overlap of two parts counts twice, and
+        a part that is inside out counts negative. With surface='outer', with the rule 'parity', and of a mesh of which
+        faces are joined, turned around or left out for the sign, that of clsdf.outer(), which takes its time. Raises
+        clsdf.Error (unsupported) for a mesh that is open."""
+        if self.topology.balanced and self.sign in ("nonzero", "none") and self._made_of[5] == "given":
+            return _meshes.volume_of(self.vertices, self.faces)
+        if self.sign not in ("nonzero", "parity"):
+            raise Error(f"{self.mesh_name} has the sign rule {self.sign}, and an open surface encloses no volume; close it",
+                        "unsupported")
+        return _meshes.outer((self.vertices, self.faces), self.sign).volume
 
     @property
     def area(self) -> float:
@@ -291,7 +297,7 @@ class Transform(WithFields):
         in a random direction by up to that length, so it is at most that far from the surface. seed: of NumPy's
         default_rng(); the same seed gives the same points. query() has their distances. With surface='outer' each call
         makes the outer surface anew; sampling clsdf.outer(mesh).mesh does not."""
-        count, radius = _whole("n", n), limit_of(within)
+        count, radius = _whole("n", n, "points"), limit_of(within)
         if count < 0 or not 0 <= radius < math.inf:
             raise Error(f"sample takes a number of points and a length, each 0 or more; not {n!r} and {within!r}")
         vertices, faces = self.vertices, self.faces
@@ -652,7 +658,7 @@ class Transform(WithFields):
         side and is farther from the surface than half_width at each of its points; that is exact. One a little farther
         away may be WITHIN, too.
         """
-        return self._body.classify(_meshes.boxes_of(boxes), half_width)
+        return self._body.classify(_meshes.boxes_of(boxes), limit_of(half_width, "half_width"))
 
     def winding(self, points: ArrayLike, *, out: ArrayLike | None = None, wait_for: Any = None) -> Any:
         """The generalised winding number at points anywhere: 1 or -1 inside a closed mesh, 0 outside, and values between
@@ -777,7 +783,7 @@ class Transform(WithFields):
         """
         from_points, along, shape = pairs_of(origins, directions, "origins", "directions")
         count = _cuda.shape_of(from_points)[0]
-        components = 1 if most is None else _whole("most", most)
+        components = 1 if most is None else _whole("most", most, "hits")
         if components < 1:
             raise Error(f"most: {most!r} hits of each ray; ask for 1 or more")
         t = np.empty((count, components), real_of(dtype))

@@ -23,15 +23,15 @@ from ._values import Outputs, given, new_samples, wanted
 from .typing import OutLike
 
 
-def whole(what: str, value: Any) -> int:
+def whole(what: str, value: Any, of: str = "samples") -> int:
     try:
         if isinstance(value, bool):
             raise TypeError
         number = operator.index(value)
     except TypeError:
-        raise Error(f"{what}: {value!r} is not a whole number of samples") from None
+        raise Error(f"{what}: {value!r} is not a whole number of {of}") from None
     if not -(2**63) <= number < 2**63:
-        raise Error(f"{what}: {value!r} samples are more than a grid may have")
+        raise Error(f"{what}: {value!r} {of} are too many")
     return number
 
 
@@ -228,7 +228,15 @@ class WithFields:
         return Field(grid, band, sign, name, arrays, positive_inside, floor)
 
     def _warn_of_narrow(self, grid: Grid, band: Band) -> None:
-        """The command has this warning, too."""
+        """The command has these warnings, too."""
+        lower, upper = self._body.box
+        side = max(high - low for low, high in zip(lower, upper)) / grid.voxel
+        if 0 <= side < 1:
+            warnings.warn(
+                f"the longest side of the bodies' box is {side:.3g} voxels: are they in the units of the grid?",
+                MeshWarning,
+                stacklevel=3,
+            )
         # 0: that side is not wanted.
         widths = [width for width in (band.outside, self._description()[0] != "none" and band.inside) if width > 0]
         narrow = min(widths, default=math.inf) / grid.voxel

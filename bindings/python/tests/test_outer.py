@@ -34,7 +34,7 @@ def test_the_outer_surface_of_two_cubes():
     assert np.allclose(union.query(points).distance, [-1, -0.5, -0.5])
     assert np.allclose(given.query(points).distance, [-0.5, -0.5, -0.5])
     assert len(clsdf.outer((mesh.vertices, mesh.faces[:12])).faces) == 12
-    with pytest.raises(clsdf.Error, match="close the mesh") as error:
+    with pytest.raises(clsdf.Error, match="closed mesh") as error:
         clsdf.outer((mesh.vertices, mesh.faces[:11]))
     assert error.value.code == "unsupported"
     with pytest.raises(clsdf.Error, match="sign"):

@@ -222,6 +222,36 @@ def test_volume_area_and_bounds_are_those_of_the_faces(solid):
     assert body.volume == pytest.approx(mesh.volume) and body.area == pytest.approx(mesh.area)
 
 
+@pytest.mark.filterwarnings("ignore::clsdf.MeshWarning")
+def test_volume_is_what_the_sign_says_is_inside():
+    vertices, faces = clsdf.make_shape("sphere3")
+    whole = clsdf.Transform(vertices, faces).volume
+    turned = faces.copy()
+    turned[::7] = turned[::7, ::-1]
+    for first in (0, 100, 501):
+        assert clsdf.Transform(vertices, np.roll(turned, first, 0)).volume == pytest.approx(whole)
+    nested = np.concatenate([vertices, vertices / 2]), np.concatenate([faces, faces + len(vertices)])
+    assert clsdf.Transform(nested).volume == pytest.approx(whole * 9 / 8)
+    assert clsdf.Transform(nested, sign="parity").volume == pytest.approx(whole * 7 / 8)
+    assert clsdf.Transform(nested, surface="outer").volume == pytest.approx(whole)
+    with pytest.raises(clsdf.Error, match="solid-angle, and an open surface encloses no volume"):
+        clsdf.Transform(vertices, faces[1:]).volume  # noqa: B018
+
+
+def test_a_transform_with_a_sign_of_its_own_is_no_mesh():
+    solid = clsdf.make_shape("cube")
+    assert clsdf.outer(clsdf.Transform(solid)).volume == clsdf.outer(solid).volume
+    scene, grid = clsdf.Scene(), clsdf.Transform(solid).grid(9)
+    for body in (clsdf.Transform(solid, sign="parity"), clsdf.Transform(solid, surface="outer")):
+        for take in (clsdf.outer, lambda mesh: clsdf.fractions(mesh, grid), scene.add, clsdf.Transform):
+            with pytest.raises(clsdf.Error, match="its mesh alone, and this one has (sign='parity'|surface='outer')"):
+                take(body)
+    with pytest.raises(clsdf.Error, match=r"scene.outer\(\).surface.mesh"):
+        clsdf.outer(scene)
+    with pytest.raises(clsdf.Error, match="pass the mesh in it, surface.mesh"):
+        clsdf.Transform(clsdf.outer(solid))
+
+
 def polar(matrix):
     u, _, v = np.linalg.svd(np.asarray(matrix, float))
     return u @ v
@@ -231,7 +261,7 @@ def polar(matrix):
     "motion, message",
     [
         ((2 * np.eye(3), (0, 0, 0)), "no rotation to 1e-5, but 3 off.*svd.*Rotation"),
-        ((np.diag([1, 1, -1.0]), (0, 0, 0)), "a reflection"),
+        ((np.diag([1, 1, -1.0]), (0, 0, 0)), "a reflection.*exchange two vertices of each face"),
         ((np.full((3, 3), np.nan), (0, 0, 0)), "no rotation"),
         ((np.eye(3), (0, np.inf, 0)), "not finite"),
         ((np.eye(3),), r"shape \(3, 3\); expected \(4, 4\)"),

@@ -68,6 +68,9 @@ inline PetscErrorCode request_of(DM da, const Grid& lattice, const Band& band, V
         OutputArray array(values, {width, width * layout.size[0], width * layout.size[0] * layout.size[1]});
         array.bytes = sizeof(PetscScalar) * static_cast<std::size_t>(numbers);
         array.offset = sizeof(PetscScalar) * static_cast<std::size_t>(component.first);
+        if (request.targets[component.output].is_given())
+            SETERRQ(PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "two components are '%s'; ask for each output once",
+                    info.name);
         request.targets[component.output] = array;
     }
     PetscFunctionReturn(PetscErrorCode{});

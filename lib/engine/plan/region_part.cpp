@@ -2,6 +2,7 @@
 
 #include "core/archive.hpp"
 #include "core/word_hash.hpp"
+#include "mesh/mesh_arrays.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/version.hpp>
@@ -194,6 +195,11 @@ bool are_below(std::span<const std::uint32_t> values, std::size_t limit) {
     return std::ranges::all_of(values, [&](std::uint32_t value) { return value < limit; });
 }
 
+template <typename Number>
+bool is_ascending(const std::vector<Number>& values) {
+    return std::ranges::adjacent_find(values, std::greater_equal<>()) == values.end();
+}
+
 bool is_permutation(std::span<const std::uint32_t> order) {
     std::vector<bool> is_there(order.size());
     for (const std::uint32_t place : order) {
@@ -201,6 +207,15 @@ bool is_permutation(std::span<const std::uint32_t> order) {
         is_there[place] = true;
     }
     return true;
+}
+
+/// As restrict_to() takes it.
+bool is_usable(const Region& region) {
+    const auto& [box, half_width, spacing] = region;
+    bool is_usable = half_width > 0 && std::isfinite(half_width) && spacing >= 0 && std::isfinite(spacing) &&
+                     is_finite(box.lower) && is_finite(box.upper);
+    for (std::size_t axis = 0; axis < 3; ++axis) is_usable = is_usable && box.lower[axis] <= box.upper[axis];
+    return is_usable;
 }
 
 /// Whether every index lies within the list that it is of. The hash tells damage; this keeps bytes that were made by
@@ -214,7 +229,8 @@ bool fits(const Content& c) {
                 (c.surface_faces.empty() || c.surface_faces.size() == faces) && !c.regions.empty() &&
                 c.sign > static_cast<std::int32_t>(SignRule::automatic) &&
                 c.sign <= static_cast<std::int32_t>(SignRule::below) && !c.begins.empty() && c.begins.front() == 0 &&
-                c.begins.back() == c.corners.size() && std::ranges::is_sorted(c.begins);
+                c.begins.back() == c.corners.size() && is_ascending(c.begins);
+    for (const Region& region : c.regions) fits = fits && is_usable(region);
     for (const Triangle& triangle : c.triangles) fits = fits && are_below(triangle, vertices);
     for (const StoredSite& site : c.sites) fits = fits && site.vertex < vertices && site.face < faces;
     for (const SignSurface::Use use : c.surface_faces) fits = fits && use != 0 && use >= -2 && use <= 2;
@@ -223,10 +239,6 @@ bool fits(const Content& c) {
 
 bool are_below(std::span<const Triangle> triangles, std::size_t limit) {
     return std::ranges::all_of(triangles, [&](const Triangle& triangle) { return are_below(triangle, limit); });
-}
-
-bool is_ascending(std::span<const std::uint32_t> values) {
-    return std::ranges::adjacent_find(values, std::greater_equal<>()) == values.end();
 }
 
 /// The same of what a part that moves has beside.
@@ -241,7 +253,7 @@ bool fits_to_move(const Content& c) {
            are_below(c.faces_about, vertices) && are_below(c.sample_triangles, vertices) &&
            c.sample_triangles.size() == c.sample.size() && are_below(c.loop_vertices, vertices) &&
            !c.loop_begins.empty() && c.loop_begins.front() == 0 && c.loop_begins.back() == c.loop_vertices.size() &&
-           std::ranges::is_sorted(c.loop_begins);
+           is_ascending(c.loop_begins);
 }
 
 void set_movable(const MovablePart& movable, Content& content) {

@@ -114,14 +114,14 @@ void Restriction::refuse(const std::string& what, const Box& box) const {
                     what, regions.size(), text_of(nearest.box), nearest.half_width, nearest.spacing));
 }
 
-void Restriction::check(const Grid& grid, const Band& band, SignRule sign) const {
+void Restriction::check(const Grid& grid, const Band& band, SignRule sign, const char* what) const {
     const Box samples{grid.position(0, 0, 0), grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)};
     const double longest = *std::max_element(grid.spacing.begin(), grid.spacing.end());
     const double widest = sign == SignRule::none ? band.outside : band.widest();
     // Samples are as far off as their positions are rounded.
     if (!holds(samples, widest, longest, 1e-6 * longest))
-        refuse(fmt::format("the grid's samples reach from {}, its spacing is {} and the band's half width {}",
-                           text_of(samples), longest, widest),
+        refuse(fmt::format("{} reach from {}, its spacing is {} and the band's half width {}", what, text_of(samples),
+                           longest, widest),
                samples);
 }
 

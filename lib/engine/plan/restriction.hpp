@@ -42,7 +42,8 @@ public:
     NearRecords near_bricks(const ClusterIndex& index, const Vec3& origin, const Vec3& spacing) const;
 
     /// Each throws Error(invalid_argument) if the part of the mesh does not suffice for the field, points or boxes.
-    void check(const Grid& grid, const Band& band, SignRule sign) const;
+    /// what: of the grid, for messages.
+    void check(const Grid& grid, const Band& band, SignRule sign, const char* what = "the grid's samples") const;
     /// first: the number of the first of these points, for messages.
     void check(std::span<const Vec3> points, double half_width, std::size_t first = 0) const;
     void check(std::span<const Box> boxes, double half_width) const;

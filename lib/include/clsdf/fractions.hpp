@@ -172,7 +172,8 @@ CLSDF_EXPORT void fractions(const OuterSurface& surface, std::span<const Grid> g
                             const FractionOptions& options = {}, const CallOptions& call = {});
 /// The cells of a grid of any size, slab by slab: whole layers of cells in the order of z, whose rows one after another
 /// are those of the whole. The sink gets the number of the slab, which is Fractions::grid. The memory is that of two
-/// slabs. Throws Error(invalid_argument) for an empty sink, as the function above does.
+/// slabs, and 64 bytes a cell of a layer for each thread; fewer threads work if these were more than 4 GiB together.
+/// Throws Error(invalid_argument) for an empty sink, as the function above does.
 CLSDF_EXPORT void fraction_slabs(const OuterSurface& surface, const Grid& grid, const FractionSink& sink,
                                  const FractionOptions& options = {}, const CallOptions& call = {});
 /// How many cells of a grid the surface meets. Takes the time of fraction_slabs().

@@ -136,21 +136,22 @@ struct CellBox {
 };
 
 /// Writes boxes of refined levels as VTK's OverlappingAMR (.vtkhdf), with the outputs as data of cells: ParaView and
-/// VTK show coarse cells where no finer box covers them. Boxes of one spacing are a level, in any order; each spacing
-/// is a whole part of the next coarser one, and the cells of all levels fit the coarsest ones. Complete or not at all.
-/// read_field() does not read it; VTK 9.7 does, 9.1 does not. Throws Error(invalid_argument) that names the box,
-/// Error(unsupported) for another ending, Error(output_failure).
+/// VTK show coarse cells where no finer box covers them. Boxes of one spacing are a level, in any order, and do not
+/// overlap; each spacing is a whole part of the next coarser one, and the cells of all levels fit the coarsest ones.
+/// Complete or not at all. read_field() does not read it; VTK 9.7 does, 9.1 does not. Throws Error(invalid_argument)
+/// that names the box, Error(unsupported) for another ending, Error(output_failure).
 CLSDF_EXPORT void write_overlapping_amr(std::span<const CellBox> boxes, const std::string& path);
 
 /// Writes links, whose grid and directions these are: .npz or .h5, with arrays as Links has them, `stencil`, `inside`
 /// (a byte for each sample, z first), `origin`, `spacing`, `size` and `first`; or .npy, a structure for each link.
 /// groups: of the mesh; the file gets the number of the triangle's group, too, in the array `groups` or the member
 /// `group`, and no_group if there is no triangle. Complete or not at all. Throws Error(output_failure),
-/// Error(unsupported) for another ending.
+/// Error(unsupported) for another ending, Error(invalid_argument) if the links are not of this grid and these
+/// directions.
 CLSDF_EXPORT void write_links(const Links& links, const Grid& grid, std::span<const LinkDirection> directions,
                               const std::string& path, const FaceGroups* groups = nullptr);
 /// Writes crossings of the grid's edges: .npz or .h5, with `x`, `x_triangles` and, if they are there, `x_groups` and
-/// `x_counts`, the same of y and z (z first), and the others as above.
+/// `x_counts`, the same of y and z (z first), and the others as above. Throws as above.
 CLSDF_EXPORT void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path,
                                   const FaceGroups* groups = nullptr);
 /// Writes fractions of cells: .npz or .h5, with a row for each cell that the surface meets (`cells`, `pieces`,

@@ -231,9 +231,74 @@ void check_crossings_path(const std::string& path) {
                     fmt::format("'{}': crossings are written as .npz or .h5; choose one of them", path));
 }
 
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+    throw Error(ErrorCode::invalid_argument, fmt::format("'{}' is not written: {}", path, reason));
+}
+
+std::string text_of(const Index3& size) {
+    return fmt::format("{} x {} x {}", size[0], size[1], size[2]);
+}
+
+void check_sides(const SampleSides& inside, const Grid& grid, const std::string& path) {
+    if (inside.size != grid.size)
+        refuse(path, fmt::format("`inside` has {} samples and the grid {}; pass the grid that was asked for",
+                                 text_of(inside.size), text_of(grid.size)));
+    if (const std::size_t bytes = (inside.sample_count() + 7) / 8; inside.bits.size() < bytes)
+        refuse(path, fmt::format("`inside` has {} bytes of bits; {} are needed", inside.bits.size(), bytes));
+}
+
+/// Throws Error(invalid_argument) if the file would contradict itself.
+void check_links(const Links& links, const Grid& grid, std::span<const LinkDirection> directions,
+                 const std::string& path) {
+    for (const auto& [name, size] :
+         {std::pair("samples", links.samples.size()), std::pair("directions", links.directions.size()),
+          std::pair("triangles", links.triangles.size()), std::pair("counts", links.counts.size()),
+          std::pair("flags", links.flags.size())})
+        if (size != links.size()) refuse(path, fmt::format("`{}` has {} rows and `q` {}", name, size, links.size()));
+    check_sides(links.inside, grid, path);
+    for (std::size_t n = 0; n < links.size(); ++n) {
+        if (links.directions[n] >= directions.size())
+            refuse(path, fmt::format("link {} has direction {}, and the stencil {} directions; pass the stencil that "
+                                     "was asked for",
+                                     n, links.directions[n], directions.size()));
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (const std::int64_t offset = links.samples[n][axis] - grid.first[axis];
+                offset < 0 || offset >= grid.size[axis])
+                refuse(path, fmt::format("link {} begins at sample ({}, {}, {}), which is not in the grid; pass the "
+                                         "grid that was asked for",
+                                         n, links.samples[n][0], links.samples[n][1], links.samples[n][2]));
+    }
+}
+
+/// The same.
+void check_crossings(const Crossings& crossings, const Grid& grid, const std::string& path) {
+    check_sides(crossings.inside, grid, path);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const EdgeCrossings& edges = crossings.axes[axis];
+        Index3 size = grid.size;
+        --size[axis];
+        if (edges.size != size)
+            refuse(path,
+                   fmt::format("there are {} edges along {}, and the grid has {}; pass the grid that was asked for",
+                               text_of(edges.size), "xyz"[axis], text_of(size)));
+        const auto count = static_cast<std::size_t>(size[0] * size[1] * size[2]);
+        if (edges.coordinates.size() != count || edges.triangles.size() != count ||
+            (!edges.counts.empty() && edges.counts.size() != count))
+            refuse(
+                path,
+                fmt::format("the arrays along {} have {}, {} and {} items; each needs one for each of {} edges",
+                            "xyz"[axis], edges.coordinates.size(), edges.triangles.size(), edges.counts.size(), count));
+    }
+}
+
+}  // namespace
+
 void write_links(const Links& links, const Grid& grid, std::span<const LinkDirection> directions,
                  const std::string& path, const FaceGroups* groups) {
     check_links_path(path);
+    check_links(links, grid, directions, path);
     if (ending_of(path) == ".npy") return write_npy(links, path, groups);
     const auto count = static_cast<std::int64_t>(links.size());
     const std::vector<LinkDirection> stencil(directions.begin(), directions.end());
@@ -253,6 +318,7 @@ void write_links(const Links& links, const Grid& grid, std::span<const LinkDirec
 
 void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path, const FaceGroups* groups) {
     check_crossings_path(path);
+    check_crossings(crossings, grid, path);
     Arrays arrays;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const EdgeCrossings& edges = crossings.axes[axis];

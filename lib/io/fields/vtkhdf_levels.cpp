@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
@@ -85,6 +86,21 @@ Vec3 place(std::span<const CellBox> boxes, std::vector<Level>& levels) {
     return origin;
 }
 
+/// VTK shows one of two values of a cell, and counts it twice.
+void refuse_overlaps(const Level& level) {
+    const auto of = [&](std::size_t box, std::size_t n) { return level.extents[6 * box + n]; };
+    std::vector<std::size_t> by_z(level.boxes.size());
+    std::iota(by_z.begin(), by_z.end(), std::size_t{0});
+    std::ranges::sort(by_z, {}, [&](std::size_t box) { return of(box, 4); });
+    for (std::size_t n = 0; n < by_z.size(); ++n)
+        for (std::size_t m = n + 1; m < by_z.size() && of(by_z[m], 4) <= of(by_z[n], 5); ++m) {
+            const std::size_t a = by_z[n], b = by_z[m];
+            if (of(a, 0) > of(b, 1) || of(b, 0) > of(a, 1) || of(a, 2) > of(b, 3) || of(b, 2) > of(a, 3)) continue;
+            const auto [first, second] = std::minmax(level.boxes[a], level.boxes[b]);
+            refuse(second, fmt::format("it overlaps box {} of the same spacing; leave ghost cells out", first));
+        }
+}
+
 void check(std::span<const CellBox> boxes) {
     if (boxes.empty()) throw Error(ErrorCode::invalid_argument, "a refined mesh has one box at least");
     const OutputSet outputs = boxes.front().values.outputs();
@@ -130,6 +146,7 @@ void write_overlapping_amr(std::span<const CellBox> boxes, const std::string& pa
     check(boxes);
     std::vector<Level> levels = levels_of(boxes);
     const Vec3 origin = place(boxes, levels);
+    for (const Level& level : levels) refuse_overlaps(level);
     const std::vector<OutputInfo> infos = infos_of(boxes.front().values.outputs());
 
     AtomicFile file(path);

@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace clsdf {
@@ -18,6 +19,11 @@ namespace {
 
 constexpr std::string_view magic = "\x93NUMPY";
 constexpr std::size_t largest_header = std::size_t{1} << 20;
+
+struct NamedType {
+    std::string name, type;
+    std::size_t components;
+};
 
 // Reads the literal {'descr': '<f4', 'fortran_order': False, 'shape': (3, 2, 1), } of numpy's headers.
 class DictionaryReader {
@@ -68,6 +74,30 @@ public:
         return result;
     }
 
+    /// [('distance', '<f4'), ('closest', '<f8', (3,))]
+    std::optional<std::vector<NamedType>> take_members() {
+        if (!take('[')) return std::nullopt;
+        std::vector<NamedType> members;
+        while (!take(']')) {
+            if (!take('(')) return std::nullopt;
+            const std::optional<std::string> name = take_string();
+            if (!name || !take(',')) return std::nullopt;
+            const std::optional<std::string> type = take_string();
+            if (!type) return std::nullopt;
+            NamedType member{*name, *type, 1};
+            if (take(',') && !rest_.starts_with(')')) {
+                const std::optional<std::vector<std::int64_t>> shape = take_tuple();
+                if (!shape || shape->size() != 1 || shape->front() < 1 || shape->front() > 4096) return std::nullopt;
+                member.components = static_cast<std::size_t>(shape->front());
+                take(',');
+            }
+            if (!take(')')) return std::nullopt;
+            members.push_back(std::move(member));
+            take(',');
+        }
+        return members;
+    }
+
     bool at_end() {
         skip_blanks();
         return rest_.empty();
@@ -80,7 +110,8 @@ private:
 };
 
 struct Dictionary {
-    std::optional<std::string> type;
+    std::optional<std::string> type;   // of numbers
+    std::vector<NamedType> members{};  // of structures
     std::optional<bool> fortran_order;
     std::optional<std::vector<std::int64_t>> shape;
 };
@@ -94,9 +125,11 @@ std::optional<Dictionary> parse_dictionary(std::string_view text) {
         const std::optional<std::string> key = reader.take_string();
         if (!key || !reader.take(':')) return std::nullopt;
         bool understood = false;
-        if (*key == "descr")
-            understood = (result.type = reader.take_string()).has_value();
-        else if (*key == "fortran_order")
+        if (*key == "descr") {
+            result.type = reader.take_string();
+            if (!result.type) result.members = reader.take_members().value_or(std::vector<NamedType>());
+            understood = result.type || !result.members.empty();
+        } else if (*key == "fortran_order")
             understood = (result.fortran_order = reader.take_bool()).has_value();
         else if (*key == "shape")
             understood = (result.shape = reader.take_tuple()).has_value();
@@ -112,7 +145,7 @@ std::uint64_t little_endian(std::string_view bytes) {
     return value;
 }
 
-void set_type(NpyHeader& header, const InputFile& file, const std::string& type) {
+std::pair<ElementType, std::endian> type_of(const InputFile& file, const std::string& type) {
     static const std::map<std::string, ElementType> types{{"f4", ElementType::float32},
                                                           {"f8", ElementType::float64},
                                                           {"u4", ElementType::uint32},
@@ -123,13 +156,20 @@ void set_type(NpyHeader& header, const InputFile& file, const std::string& type)
         file.fail(
             fmt::format("header field 'descr': {} is not read; save the array as float64 ('<f8') or float32 ('<f4')",
                         quoted(type, 80)));
-    header.values.type = found->second;
-    header.values.order = type[0] == '>' ? std::endian::big : std::endian::little;
+    return {found->second, type[0] == '>' ? std::endian::big : std::endian::little};
+}
+
+void set_members(NpyHeader& header, const InputFile& file, const std::vector<NamedType>& members) {
+    for (const NamedType& member : members) {
+        const auto [type, order] = type_of(file, member.type);
+        header.members.push_back({member.name, type, order, member.components, header.structure_bytes});
+        header.structure_bytes += member.components * bytes_of(type);
+    }
 }
 
 }  // namespace
 
-NpyHeader read_npy_header(InputFile& file) {
+NpyHeader read_npy_header(InputFile& file, bool takes_structures) {
     const std::string text = file.beginning(largest_header);
     if (!text.starts_with(magic)) file.fail(R"(not an .npy file: it does not begin with "\x93NUMPY")");
     const int major = text.size() > 6 ? static_cast<unsigned char>(text[6]) : 0;
@@ -145,12 +185,16 @@ NpyHeader read_npy_header(InputFile& file) {
 
     const auto dictionary_text = std::string_view(text).substr(begin, static_cast<std::size_t>(length));
     const std::optional<Dictionary> dictionary = parse_dictionary(dictionary_text);
-    if (!dictionary || !dictionary->type || !dictionary->fortran_order || !dictionary->shape)
+    const bool has_structures = dictionary && !dictionary->members.empty();
+    if (!dictionary || (has_structures ? !takes_structures : !dictionary->type) || !dictionary->fortran_order ||
+        !dictionary->shape)
         file.fail(fmt::format("header {} does not state one 'descr', 'fortran_order' and 'shape' of a plain array",
                               quoted(dictionary_text, 80)));
     NpyHeader header;
-    set_type(header, file, *dictionary->type);
-    header.values = values_to_the_end(file, header.values.type, header.values.order, begin + length);
+    if (has_structures) set_members(header, file, dictionary->members);
+    const auto [type, order] =
+        has_structures ? std::pair(ElementType::uint8, std::endian::little) : type_of(file, *dictionary->type);
+    header.values = values_to_the_end(file, type, order, begin + length);
     header.shape = *dictionary->shape;
     header.fortran_order = *dictionary->fortran_order;
     return header;

@@ -36,13 +36,61 @@ PointFormat format_of_points(const std::string& path) {
                 fmt::format("'{}' does not end like a file of points; the endings are .npy, .csv and .ply", path));
 }
 
-/// Rows of numbers. what: "points have the shape (n, 3), ...", for messages.
+/// Calls take(number) with the number at an address.
+template <typename Take>
+void with_number(ElementType type, const std::byte* address, std::endian order, const Take& take) {
+    switch (type) {
+        case ElementType::float64:
+            return take(load<double>(address, order));
+        case ElementType::uint32:
+            return take(load<std::uint32_t>(address, order));
+        case ElementType::int64:
+            return take(load<std::int64_t>(address, order));
+        case ElementType::uint8:
+            return take(load<std::uint8_t>(address, order));
+        default:
+            return take(load<float>(address, order));
+    }
+}
+
+/// The member `name` of each structure, which has so many numbers.
 template <std::size_t width>
-std::vector<std::array<double, width>> read_npy_rows(const std::string& path, const char* what) {
+std::vector<std::array<double, width>> read_npy_member(InputFile& file, const NpyHeader& header,
+                                                       const std::string& name) {
+    const auto member = std::ranges::find(header.members, name, &NpyMember::name);
+    if (member == header.members.end() || member->components != width) {
+        std::vector<std::string> others;
+        for (const NpyMember& other : header.members)
+            others.push_back(fmt::format("'{}' of {}", other.name, other.components));
+        file.fail(fmt::format("its structures have no member '{}' of {} number{}, but {}", name, width,
+                              width == 1 ? "" : "s", fmt::join(others, ", ")));
+    }
+    if (header.shape.size() != 1 || header.shape[0] < 0)
+        file.fail(fmt::format("header field 'shape': ({}); structures at points have the shape (n,)",
+                              fmt::join(header.shape, ", ")));
+    const std::size_t bytes_of_structure = header.structure_bytes;
+    const std::array sizes{header.shape[0], static_cast<std::int64_t>(bytes_of_structure)};
+    std::vector<std::byte> bytes(header.shape[0] == 0 ? 0 : checked_count(file, header.values, sizes));
+    if (!bytes.empty()) read_values(file, header.values, ElementType::uint8, bytes);
+    std::vector<std::array<double, width>> rows(bytes.size() / bytes_of_structure);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        for (std::size_t c = 0; c < width; ++c)
+            with_number(member->type,
+                        bytes.data() + i * bytes_of_structure + member->offset + c * bytes_of(member->type),
+                        member->order, [&](auto number) { rows[i][c] = static_cast<double>(number); });
+    return rows;
+}
+
+/// Rows of numbers, or those of a member of structures if it has a name. what: "points have the shape (n, 3), ...", for
+/// messages.
+template <std::size_t width>
+std::vector<std::array<double, width>> read_npy_rows(const std::string& path, const char* what,
+                                                     const std::string& member = {}) {
     using Row = std::array<double, width>;
     InputFile file(path);
     refuse_other_content(FileContent(path, telling_bytes));
-    const NpyHeader header = read_npy_header(file);
+    const NpyHeader header = read_npy_header(file, !member.empty());
+    if (!header.members.empty()) return read_npy_member<width>(file, header, member);
     if (is_whole(header.values.type))
         file.fail(fmt::format("header field 'descr': '{}' is not a coordinate; save them as float64 ('<f8')",
                               npy_name_of(header.values.type)));
@@ -73,11 +121,16 @@ std::vector<std::array<double, width>> read_npy_rows(const std::string& path, co
     return points;
 }
 
-/// A number a row, of any type.
-std::vector<double> read_npy_numbers(const std::string& path) {
+/// A number a row, of any type, or the member of structures.
+std::vector<double> read_npy_numbers(const std::string& path, const std::string& member) {
     InputFile file(path);
     refuse_other_content(FileContent(path, telling_bytes));
-    const NpyHeader header = read_npy_header(file);
+    const NpyHeader header = read_npy_header(file, true);
+    if (!header.members.empty()) {
+        std::vector<double> numbers;
+        for (const auto& [number] : read_npy_member<1>(file, header, member)) numbers.push_back(number);
+        return numbers;
+    }
     const bool is_column = header.shape.size() == 2 && header.shape[1] == 1;
     if ((header.shape.size() != 1 && !is_column) || header.shape[0] < 0)
         file.fail(fmt::format("header field 'shape': ({}); numbers at points have the shape (n,)",
@@ -295,22 +348,6 @@ struct Columns {
     }
 };
 
-/// Calls take(number) with the number at an address. Outputs have these types.
-template <typename Take>
-void with_number(ElementType type, const std::byte* address, const Take& take) {
-    constexpr std::endian order = std::endian::native;
-    switch (type) {
-        case ElementType::float64:
-            return take(load<double>(address, order));
-        case ElementType::uint32:
-            return take(load<std::uint32_t>(address, order));
-        case ElementType::uint8:
-            return take(load<std::uint8_t>(address, order));
-        default:
-            return take(load<float>(address, order));
-    }
-}
-
 /// The name of a type in .ply files.
 const char* ply_name_of(ElementType type) {
     switch (type) {
@@ -338,7 +375,7 @@ public:
         if (buffer_.size() > piece_bytes) flush();
     }
     void add(ElementType type, const std::byte* value) {
-        with_number(type, value, [&](auto number) { add(number); });
+        with_number(type, value, std::endian::native, [&](auto number) { add(number); });
     }
     void flush() {
         file_.write(buffer_);
@@ -400,11 +437,11 @@ void write_csv_points(std::span<const Vec3> points, const Columns& columns, Atom
         }
         columns.for_each_value(i, [&](const OutputInfo& info, std::size_t, const std::byte* value) {
             add(',');
-            with_number(info.type, value, [&](auto number) {
+            with_number(info.type, value, std::endian::native, [&](auto number) {
                 if constexpr (std::is_floating_point_v<decltype(number)>)
                     add(std::isnan(number) ? std::abs(number) : number);
                 else
-                    add(std::uint32_t{number});  // not as a letter
+                    add(+number);  // not as a letter
             });
         });
         if (text.size() < (std::size_t{1} << 16U)) continue;
@@ -534,7 +571,7 @@ RayRows read_rays(const std::string& path) try {
 }
 
 std::vector<double> read_point_numbers(const std::string& path, const char* name) try {
-    if (is_npy_of_results(path)) return read_npy_numbers(path);
+    if (is_npy_of_results(path)) return read_npy_numbers(path, name);
     const auto has_name = [&](std::string_view column, std::size_t) { return column == name; };
     std::vector<double> numbers;
     for (const auto& [number] : read_csv_rows<1>(text_of_points(path), {name}, has_name)) numbers.push_back(number);
@@ -544,7 +581,7 @@ std::vector<double> read_point_numbers(const std::string& path, const char* name
 }
 
 std::vector<Vec3> read_point_vectors(const std::string& path, const char* name) try {
-    if (is_npy_of_results(path)) return read_npy_rows<3>(path, "vectors at points have the shape (n, 3), n >= 0");
+    if (is_npy_of_results(path)) return read_npy_rows<3>(path, "vectors at points have the shape (n, 3), n >= 0", name);
     const std::array<std::string, 3> columns{fmt::format("{}_x", name), fmt::format("{}_y", name),
                                              fmt::format("{}_z", name)};
     const auto has_name = [&](std::string_view column, std::size_t axis) { return column == columns[axis]; };
