@@ -199,7 +199,9 @@ class Transform(WithFields):
         a part that is inside out counts negative. With surface='outer', with the rule 'parity', and of a mesh of which
         faces are joined, turned around or left out for the sign, that of clsdf.outer(), which takes its time. Raises
         clsdf.Error (unsupported) for a mesh that is open."""
-        if self.topology.balanced and self.sign in ("nonzero", "none") and self._made_of[5] == "given":
+        topology = self.topology  # of the surface that decides the sign: these are the faces that it has not as given
+        others = topology.uncounted_faces + topology.reoriented_faces + topology.sheet_faces + topology.double_sided_faces + topology.detail_faces
+        if topology.balanced and others == 0 and self.sign in ("nonzero", "none") and self._made_of[5] == "given":
             return _meshes.volume_of(self.vertices, self.faces)
         if self.sign not in ("nonzero", "parity"):
             raise Error(f"{self.mesh_name} has the sign rule {self.sign}, and an open surface encloses no volume; close it",
