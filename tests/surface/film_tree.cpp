@@ -60,6 +60,22 @@ std::vector<Vec3> points_about(const OpenBoundary& boundary, std::size_t count, 
     return points;
 }
 
+/// The turns of a node's pieces one by one.
+double turns_at(const OpenBoundary& boundary, const FilmNodes& nodes, const FilmNodes::Node& node, const Vec3& point) {
+    Turns turns = no_turns();
+    nodes.walk(
+        [&](const FilmNodes::Node& below) {
+            const auto corners = nodes.corners_of(below);
+            if (below.is_leaf())
+                turns = turned_by_loop(
+                    turns, corners.size(), [&](std::size_t i) -> const Vec3& { return boundary.corners[corners[i]]; },
+                    point, unit);
+            return false;
+        },
+        static_cast<std::uint32_t>(&node - nodes.all().data()));
+    return turns_of(turns);
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(a_view_is_that_of_the_sum_over_all_open_edges) {
@@ -112,21 +128,6 @@ BOOST_AUTO_TEST_CASE(a_film_far_from_a_ball_is_a_linear_function_there_within_it
     for (const Mesh& mesh : meshes_of(random)) BOOST_TEST_CONTEXT(mesh.name()) {
             const auto boundary = boundary_of(mesh);
             const FilmNodes nodes(boundary->corners, boundary->begins);
-            const auto turns_at = [&](const FilmNodes::Node& node, const Vec3& point) {
-                Turns turns = no_turns();
-                nodes.walk(
-                    [&](const FilmNodes::Node& below) {
-                        const auto corners = nodes.corners_of(below);
-                        if (below.is_leaf())
-                            turns = turned_by_loop(
-                                turns, corners.size(),
-                                [&](std::size_t i) -> const Vec3& { return boundary->corners[corners[i]]; }, point,
-                                unit);
-                        return false;
-                    },
-                    static_cast<std::uint32_t>(&node - nodes.all().data()));
-                return turns_of(turns);
-            };
             std::size_t greater = 0;
             for (const Vec3& centre : points_about(*boundary, 400, random)) {
                 const FilmNodes::Node& node = nodes.all()[random.index(nodes.all().size())];
@@ -138,7 +139,7 @@ BOOST_AUTO_TEST_CASE(a_film_far_from_a_ball_is_a_linear_function_there_within_it
                 const Vec3 moved{point[0] - centre[0], point[1] - centre[1], point[2] - centre[2]};
                 // And a whole number, in shadows.
                 const auto off = [&](double expected) {
-                    const double difference = turns_at(node, point) - expected;
+                    const double difference = turns_at(*boundary, nodes, node, point) - expected;
                     return std::abs(difference - std::nearbyint(difference));
                 };
                 greater += off(turns + dot(change.gradient, moved)) > change.beside + 1e-11 ? 1U : 0U;
@@ -147,6 +148,44 @@ BOOST_AUTO_TEST_CASE(a_film_far_from_a_ball_is_a_linear_function_there_within_it
             BOOST_TEST(greater == 0U);
         }
     BOOST_TEST(bounded > 1000U);
+}
+
+BOOST_AUTO_TEST_CASE(an_expansion_is_off_by_no_more_than_its_bound) {
+    constexpr std::uint64_t seed = 24;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    std::size_t bounded = 0, near_bound = 0;
+    for (const Mesh& mesh : meshes_of(random)) BOOST_TEST_CONTEXT(mesh.name()) {
+            const auto boundary = boundary_of(mesh);
+            const FilmNodes nodes(boundary->corners, boundary->begins);
+            std::size_t greater = 0, different = 0;
+            for (std::size_t i = 0; i < 2000; ++i) {
+                const FilmNodes::Node& node = nodes.all()[random.index(nodes.all().size())];
+                if (node.expansion == FilmNodes::no_expansion) continue;
+                ++bounded;
+                const double distance = node.radius / film_reach * (1 + std::pow(10, random.uniform(-3, 1)));
+                const Vec3 point = along(node.centre, distance, random.direction());
+                const auto from_centre = [&](double x) {
+                    return Vec3{node.centre[0] - x, node.centre[1] - point[1], node.centre[2] - point[2]};
+                };
+                const FilmExpansion& expansion = nodes.expansion_of(node);
+                const double turns = expansion.at(from_centre(point[0]));
+                // And a whole number, in shadows.
+                const double difference = turns - turns_at(*boundary, nodes, node, point),
+                             off = std::abs(difference - std::nearbyint(difference)),
+                             error = FilmNodes::error_of(node, distance);
+                greater += off > error + 1e-11 ? 1U : 0U;
+                near_bound += off > 0.1 * error ? 1U : 0U;
+                constexpr double step = 0.25;
+                const double y = node.centre[1] - point[1];
+                const auto rows = expansion.at<2, 4>(from_centre(point[0] - 2 * step), {y + 1, y}, step);
+                different += std::abs(rows[1][2] - turns) > 1e-12 ? 1U : 0U;
+            }
+            BOOST_TEST(greater == 0U);
+            BOOST_TEST(different == 0U);
+        }
+    BOOST_TEST(bounded > 5000U);
+    BOOST_TEST(near_bound > 100U);  // the bound is not much too wide
 }
 
 }  // namespace clsdf

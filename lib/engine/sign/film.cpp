@@ -22,15 +22,10 @@ namespace {
 // Blocks of samples: the largest ones lie in columns, and the smallest ones are searched sample by sample.
 constexpr int largest_block = 32;
 constexpr int smallest_block = lanes;
-// A sample alone, by the tree, takes about as long as so many leaves near its block.
-constexpr std::size_t most_leaves = 256;
 // Fewer open edges are summed one by one. Of more, pieces far from a block are taken as a linear function,
 constexpr std::size_t most_summed = 48;
-// which may be off by that for each piece. Small blocks may be off by more: there each sample that is left in doubt is
-// looked at alone.
-double tolerance_of(int block) {
-    return 1.0 / 512 / block;
-}
+// which may be off by that, all pieces together.
+constexpr double linear_tolerance = 1.0 / 6;
 
 /// A sample, or a place halfway between two: twice the indices in the lattice, x from LatticeBoundary::first_x.
 struct HalfSample {
@@ -70,11 +65,18 @@ struct Shadow {
 /// The open edges around a block: pieces of the film near it, and the turns of all others as a linear function.
 struct Surroundings {
     std::vector<std::uint32_t> nodes;   ///< those near it, with all below them
-    std::vector<std::uint32_t> leaves;  ///< of these nodes
+    std::vector<std::uint32_t> leaves;  ///< of these nodes; empty if the film may meet the block
     HalfSample centre{};                ///< at which the linear function has the value `turns`
     double turns = 0;
     Vec3 gradient{};
     double remainder = 0;  ///< it may be off by that in the block
+};
+
+/// The nodes near a block, divided for the samples of it: leaves that are summed exactly, and expansions.
+struct NearPieces {
+    std::vector<std::uint32_t> leaves;
+    std::vector<FarPiece> far;
+    double error = 0;  ///< the expansions may be off by that at any sample
 };
 
 /// The open edges, seen from any place of the lattice.
@@ -152,56 +154,80 @@ public:
         WindingChange change{length(outer.gradient) * ball + outer.remainder, outer.gradient, outer.remainder};
         for (const std::uint32_t number : outer.nodes)
             if (is_near(number, block, ball, inner, change)) inner.nodes.push_back(number);
-        for (const std::uint32_t number : inner.nodes)
-            nodes_.walk(
-                [&](const FilmNodes::Node& node) {
-                    if (node.is_leaf()) inner.leaves.push_back(number_of(node));
-                    return false;
-                },
-                number);
-        // The winding number is at most 1/2 from a half integer.
-        for (const std::uint32_t leaf : inner.leaves) {
-            change.add(change_by(leaf, inner.centre, ball));
-            if (!(std::min(change.most, change.beside) < 0.5)) return {std::move(inner), true};
-        }
+        if (!inner.nodes.empty())
+            std::ranges::iter_swap(inner.nodes.begin(),
+                                   std::ranges::min_element(inner.nodes, {}, [&](std::uint32_t number) {
+                                       return distance(number, place_of(inner.centre));
+                                   }));
+        bool may_meet = std::ranges::any_of(
+            inner.nodes, [&](std::uint32_t number) { return may_meet_film(number, ball, inner, change); });
         const double bound = change.bound(ball);
-        if (!(bound < 0.5)) return {std::move(inner), true};
-        const double turns = inner.turns + turns_of(turns_at(inner.centre, inner.leaves));
-        return {std::move(inner), !(bound < distance_to_half(turns) - film_slack)};
+        may_meet = may_meet || !(bound < 0.5);
+        if (!may_meet) {
+            const double turns = inner.turns + turns_of(turns_at(inner.centre, inner.leaves));
+            may_meet = !(bound < distance_to_half(turns) - film_slack);
+        }
+        if (may_meet) inner.leaves.clear();
+        return {std::move(inner), may_meet};
+    }
+
+    /// The nodes near a block, for rounded_plane().
+    NearPieces pieces(const Block& block, const Surroundings& around) const {
+        NearPieces pieces;
+        const bool are_many = corners_.size() > most_summed;
+        const Vec3 centre = place_of(block.centre());
+        const auto visit = [&](const FilmNodes::Node& node) {
+            Vec3 away{};
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                away[axis] = std::max(
+                    std::abs(node.centre[axis] - centre[axis]) - 0.5 * (block.size - 1) * boundary_.spacing[axis], 0.0);
+            const double error = FilmNodes::error_of(node, length(away) * (1 - 1e-9));
+            if (are_many && error <= nodes_.share_of(node, film_tolerances.front()) &&
+                !is_in_shadow(block, shadows_[number_of(node)])) {
+                pieces.far.push_back({&nodes_.expansion_of(node), node.centre});
+                pieces.error += error;
+                return true;
+            }
+            if (node.is_leaf()) pieces.leaves.push_back(number_of(node));
+            return false;
+        };
+        for (const std::uint32_t number : around.nodes) nodes_.walk(visit, number);
+        return pieces;
     }
 
     /// The turns at a sample, rounded.
     int rounded_at(std::int64_t x, std::int64_t y, std::int64_t z, const Surroundings& around) const {
         const HalfSample sample{2 * x, 2 * y, 2 * z};
-        const auto rounded = rounded_of(turns_at(sample, around.leaves), sample, around);
+        const auto rounded = rounded_if_certain(
+            turns_of(turns_at(sample, around.leaves)) + linear_turns(around, sample), around.remainder);
         return rounded ? *rounded : rounded_alone(sample);
     }
 
-    /// The same of samples next to each other.
-    std::array<int, lanes> rounded_from(std::int64_t x, std::int64_t y, std::int64_t z,
-                                        const Surroundings& around) const {
-        std::array<int, lanes> result{};
-        if (around.leaves.size() > most_leaves) {
-            for (std::size_t lane = 0; lane < result.size(); ++lane)
-                result[lane] = rounded_alone({2 * (x + static_cast<std::int64_t>(lane)), 2 * y, 2 * z});
-            return result;
-        }
-        const RowPlace place{static_cast<double>(x),
-                             y * (std::int64_t{1} << boundary_.bits_y),
-                             z * (std::int64_t{1} << boundary_.bits_z),
-                             per_y_,
-                             per_z_,
-                             boundary_.spacing};
-        TurnsOfLanes turns;
-        for (const std::uint32_t leaf : around.leaves) {
-            const std::span<const LatticeCorner> corners = corners_of(leaf);
-            add_loop(corners.data(), corners.size(), place, turns);
-        }
-        for (std::size_t lane = 0; lane < result.size(); ++lane) {
-            const HalfSample sample{2 * (x + static_cast<std::int64_t>(lane)), 2 * y, 2 * z};
-            const auto rounded = rounded_of(turns[lane], sample, around);
-            result[lane] = rounded ? *rounded : rounded_alone(sample);
-        }
+    /// The same of a plane of a smallest block's samples: its rows one after another. around, pieces: the block's.
+    std::array<std::array<int, lanes>, lanes> rounded_plane(const Block& block, std::int64_t z,
+                                                            const Surroundings& around,
+                                                            const NearPieces& pieces) const {
+        const PlanePlace place{static_cast<double>(block.x),
+                               block.y * (std::int64_t{1} << boundary_.bits_y),
+                               z * (std::int64_t{1} << boundary_.bits_z),
+                               std::int64_t{1} << boundary_.bits_y,
+                               per_y_,
+                               per_z_,
+                               boundary_.spacing};
+        TurnsOfRows turns;
+        for (const std::uint32_t leaf : pieces.leaves) add_loop(corners_of(leaf), place, turns);
+        const FarTurns far =
+            turns_of_expansions(pieces.far, place_of({2 * block.x, 2 * block.y, 2 * z}), boundary_.spacing);
+        std::array<std::array<int, lanes>, lanes> result{};
+        for (std::size_t row = 0; row < lanes; ++row)
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                const HalfSample sample{2 * (block.x + static_cast<std::int64_t>(lane)),
+                                        2 * (block.y + static_cast<std::int64_t>(row)), 2 * z};
+                const auto rounded =
+                    rounded_if_certain(turns_of(turns[row][lane]) + (far[row][lane] + linear_turns(around, sample)),
+                                       around.remainder + pieces.error);
+                result[row][lane] = rounded ? *rounded : rounded_alone(sample);
+            }
         return result;
     }
 
@@ -231,14 +257,38 @@ private:
         return std::span(corners_).subspan(node.corner, node.corners);
     }
 
+    double distance(std::uint32_t number, const Vec3& from) const {
+        return length(difference(nodes_.all()[number].centre, from));
+    }
+
+    /// Adds the leaves of a node to the surroundings, and how they change. Whether that alone lets the film meet the
+    /// block; then leaves are left out. The nearest come first: in a dense mesh a few suffice.
+    bool may_meet_film(std::uint32_t number, double ball, Surroundings& inner, WindingChange& change) const {
+        const FilmNodes::Node& node = nodes_.all()[number];
+        if (node.is_leaf()) {
+            inner.leaves.push_back(number);
+            change.add(change_by(number, inner.centre, ball));
+            // The winding number is at most 1/2 from a half integer.
+            return !(std::min(change.most, change.beside) < 0.5);
+        }
+        const Vec3 centre = place_of(inner.centre);
+        std::uint32_t first = number + 1, second = node.second;
+        if (distance(second, centre) < distance(first, centre)) std::swap(first, second);
+        return may_meet_film(first, ball, inner, change) || may_meet_film(second, ball, inner, change);
+    }
+
     /// Adds what is far of a node to the linear function and its change. Whether all of it is near, so that nothing was
     /// added; else the parts that are near are in inner.nodes.
     bool is_near(std::uint32_t number, const Block& block, double ball, Surroundings& inner,
                  WindingChange& change) const {
         const FilmNodes::Node& node = nodes_.all()[number];
-        if (corners_.size() > most_summed && !is_in_shadow(block, shadows_[number])) {
+        const double away = distance(number, place_of(inner.centre)) - node.radius - ball;
+        // Most nodes near a block are too near by the greatest of the bounds that linear() adds up.
+        const bool may_be_linear = away > 0 && 1.5 * ball / away * film_change(node.area, away, ball) <=
+                                                   nodes_.share_of(node, linear_tolerance);
+        if (corners_.size() > most_summed && may_be_linear && !is_in_shadow(block, shadows_[number])) {
             const FilmNodes::Linear far = FilmNodes::linear(node, place_of(inner.centre), ball);
-            if (far.change.beside <= tolerance_of(block.size)) {
+            if (far.change.beside <= nodes_.share_of(node, linear_tolerance)) {
                 change.add(far.change);
                 inner.turns += far.turns;
                 for (std::size_t axis = 0; axis < 3; ++axis) inner.gradient[axis] += far.change.gradient[axis];
@@ -246,7 +296,8 @@ private:
                 return false;
             }
         }
-        if (node.is_leaf()) return true;
+        // Nodes much smaller than the block lie at about the same distance, and are as near.
+        if (node.is_leaf() || node.radius < ball) return true;
         const bool is_first_near = is_near(number + 1, block, ball, inner, change),
                    is_second_near = is_near(node.second, block, ball, inner, change);
         if (is_first_near && is_second_near) return true;
@@ -261,13 +312,10 @@ private:
         if (raised - whole > unsure && raised - whole < 1 - unsure) return static_cast<int>(whole);
         return std::nullopt;
     }
-    std::optional<int> rounded_of(const Turns& near, const HalfSample& sample, const Surroundings& around) const {
-        return rounded_if_certain(turns_of(near) + linear_turns(around, sample), around.remainder);
-    }
     /// By the tree, at last by the sum over all open edges.
     int rounded_alone(const HalfSample& sample) const {
         if (corners_.size() > most_summed)
-            for (const double tolerance : film_tolerances) {
+            for (const double tolerance : std::span(film_tolerances).subspan(1)) {
                 Turns near = no_turns();
                 const Block block{sample.x / 2, sample.y / 2, sample.z / 2, 1};
                 const FilmNodes::Sum far = nodes_.sum(
@@ -408,8 +456,11 @@ private:
         if (!may_meet_film) {
             pass(block, around);
         } else if (block.size == smallest_block) {
+            const NearPieces pieces = film_.pieces(block, around);
+            std::array<std::array<int, lanes>, lanes> plane{};
             for_each_row(block, [&](Row& row, std::int64_t y, std::int64_t z) {
-                const std::array<int, lanes> rounded = film_.rounded_from(block.x, y, z, around);
+                if (y == block.y) plane = film_.rounded_plane(block, z, around, pieces);
+                const std::array<int, lanes>& rounded = plane[static_cast<std::size_t>(y - block.y)];
                 for (std::size_t i = 0; i < lanes; ++i)
                     set(row, rounded[i], block.x + static_cast<std::int64_t>(i), y, z);
                 row.is_known = false;

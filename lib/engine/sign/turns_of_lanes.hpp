@@ -2,25 +2,28 @@
 
 #include "sign/film.hpp"
 #include "solid_angle.h"
+#include "surface/film_expansion.hpp"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace clsdf::engine {
 
-/// Samples next to each other in a row, from which loops are seen.
-struct RowPlace {
-    double x;           ///< of the first sample
-    std::int64_t y, z;  ///< as of snapped vertices
+/// The samples whose turns are computed at once: so many rows along x, beside each other along y, of so many samples.
+constexpr std::size_t lanes = 4;
+
+/// Where these samples are.
+struct PlanePlace {
+    double x;             ///< of the first sample
+    std::int64_t y, z;    ///< as of snapped vertices
+    std::int64_t next_y;  ///< from one row to the next
     double per_y, per_z;
     Vec3 spacing;
 };
 
-/// The samples whose turns are computed at once.
-constexpr std::size_t lanes = 4;
-
-/// Turns of several samples, with halves as numbers that vectors have.
+/// Turns of the samples of a row, with halves as numbers that vectors have.
 struct TurnsOfLanes {
     std::array<double, lanes> re, im, halves;
 
@@ -49,8 +52,19 @@ inline int side_of(const SweepVertex& a, const SweepVertex& b, std::int64_t y, s
     return b.x > a.x ? 1 : -1;
 }
 
-/// Adds the turns of a loop of so many corners: seen_vertex() and turned() of solid_angle.h in lanes, with the same
-/// bits.
-void add_loop(const LatticeCorner* corners, std::size_t count, const RowPlace& place, TurnsOfLanes& turns);
+using TurnsOfRows = std::array<TurnsOfLanes, lanes>;
+
+/// Adds the turns of a loop: seen_vertex() and turned() of solid_angle.h in lanes, with the same bits.
+void add_loop(std::span<const LatticeCorner> corners, const PlanePlace& place, TurnsOfRows& turns);
+
+/// A piece of film far away.
+struct FarPiece {
+    const FilmExpansion* expansion;
+    Vec3 centre;
+};
+
+/// The turns of pieces far away. first: the place of the first sample. spacing: from one to the next.
+using FarTurns = std::array<std::array<double, lanes>, lanes>;
+FarTurns turns_of_expansions(std::span<const FarPiece> pieces, const Vec3& first, const Vec3& spacing);
 
 }  // namespace clsdf::engine

@@ -17,9 +17,9 @@ namespace clsdf {
 
 /// In turns: above the rounding of all sums, and of their bounds.
 constexpr double film_slack = 1e-6;
-/// The most that the moments of one node may be off by, in turns: first a rough sum, then better ones; at last all open
-/// edges are summed.
-constexpr std::array<double, 3> film_tolerances{1.0 / 1024, 1.0 / 16384, 1.0 / 524288};
+/// The most that pieces of a film far away may be off by together, in turns: first a rough sum, then better ones; at
+/// last all open edges are summed.
+constexpr std::array<double, 3> film_tolerances{1.0 / 8, 1.0 / 128, 1.0 / 4096};
 
 struct WindingChange {
     double most = 0;

@@ -3,6 +3,7 @@
 #include <clsdf/mesh.hpp>
 
 #include "surface/film_bounds.hpp"
+#include "surface/film_expansion.hpp"
 
 #include <array>
 #include <cmath>
@@ -24,15 +25,17 @@ public:
         Vec3 centre;                    ///< the centre of a ball around the film
         double radius;                  ///< the radius of the ball
         double area;                    ///< the area of the film
+        double spread;                  ///< as of film_expansion_error()
         Vec3 normal;                    ///< the sum of its triangles' area vectors n dA
         std::array<double, 6> moment;   ///< the integral of n_j (x - centre)_k, symmetric: xx, yy, zz, xy, xz, yz
-        std::uint32_t corner, corners;  ///< of a leaf: its range in the order of corner()
+        std::uint32_t corner, corners;  ///< its range in the order of corners_of()
         std::uint32_t second;           ///< the second child; the first one is the next node; 0: a leaf
+        std::uint32_t expansion;        ///< no_expansion: exact turns cost no more
 
         bool is_leaf() const { return second == 0; }
     };
     struct Sum {
-        double turns = 0;  ///< those of pieces far away, by moments
+        double turns = 0;  ///< those of pieces far away, by expansions
         double error = 0;  ///< they may be off by that
     };
     /// Turns as a linear function around a point.
@@ -46,9 +49,21 @@ public:
     FilmNodes(std::span<const Vec3> positions, std::span<const std::size_t> begins);
 
     std::span<const Node> all() const { return nodes_; }
-    /// The numbers of a leaf's corners: of a loop, or of a part of one that a chord closes.
-    std::span<const std::uint32_t> corners_of(const Node& leaf) const {
-        return std::span(corners_).subspan(leaf.corner, leaf.corners);
+    /// The numbers of a leaf's corners: of a loop, or of a part of one that a chord closes. All of a node's leaves have
+    /// a range together.
+    std::span<const std::uint32_t> corners_of(const Node& node) const {
+        return std::span(corners_).subspan(node.corner, node.corners);
+    }
+    /// The turns of a node that has an expansion at a point.
+    const FilmExpansion& expansion_of(const Node& node) const { return expansions_[node.expansion]; }
+    /// How much the expansion of a node may be off at a distance from its centre; infinite if it has none.
+    static double error_of(const Node& node, double distance) {
+        return node.expansion == no_expansion ? std::numeric_limits<double>::infinity()
+                                              : film_expansion_error(node.radius, node.spread, distance);
+    }
+    /// What a node may be off by if all of the film may be off by `tolerance`.
+    double share_of(const Node& node, double tolerance) const {
+        return tolerance * static_cast<double>(node.corners) / static_cast<double>(corners_.size());
     }
 
     /// Visits a node and those below it, children after their parents. visit: whether all of a node is done.
@@ -56,26 +71,28 @@ public:
     void walk(const Visit& visit, std::uint32_t top = 0) const;
     /// The turns by all that is far from a point. may_meet(node): whether the ray towards -x may meet the film; then
     /// its turns are not its solid angle. near(leaf): for the leaves that are not part of the sum. tolerance: the most
-    /// that one node may be off by.
+    /// that the sum may be off by.
     template <typename MayMeet, typename Near>
     Sum sum(const Vec3& point, double tolerance, const MayMeet& may_meet, const Near& near) const;
     /// The turns of a node's film in a ball around a point that lies at a distance from the film; none of the rays from
     /// there may meet it. Their change is infinite if the ball is too near.
     static Linear linear(const Node& node, const Vec3& point, double ball);
 
-    std::size_t host_bytes() const { return corners_.size() * sizeof(corners_[0]) + nodes_.size() * sizeof(nodes_[0]); }
+    std::size_t host_bytes() const {
+        return corners_.size() * sizeof(corners_[0]) + nodes_.size() * sizeof(nodes_[0]) +
+               expansions_.size() * sizeof(expansions_[0]);
+    }
+
+    static constexpr std::uint32_t no_expansion = ~std::uint32_t{0};
 
 private:
     static constexpr double per_sphere = 0.25 * std::numbers::inv_pi;
     /// Nearer to a piece, in radii of it, edges between pieces would have rounding errors of their own.
     static constexpr double nearest = 0.25;
 
-    void cut(std::span<const std::uint32_t> polygon, std::vector<Node>& leaves);
-    std::uint32_t build(std::span<Node> leaves);
-    void describe(Node& leaf, std::span<const Vec3> positions) const;
-
-    std::vector<std::uint32_t> corners_;  // leaf after leaf
+    std::vector<std::uint32_t> corners_;  // leaf after leaf, in the order of the tree
     std::vector<Node> nodes_;
+    std::vector<FilmExpansion> expansions_;
 };
 
 template <typename Visit>
@@ -98,16 +115,9 @@ FilmNodes::Sum FilmNodes::sum(const Vec3& point, double tolerance, const MayMeet
     Sum sum;
     walk([&](const Node& node) {
         const Vec3 r{node.centre[0] - point[0], node.centre[1] - point[1], node.centre[2] - point[2]};
-        const double distance = length(r), gap = distance - node.radius;
-        const double per_gap = node.radius / (gap * gap);
-        const double error = 3 * per_sphere * node.area * per_gap * per_gap;
-        if (gap > nearest * node.radius && error <= tolerance && !may_meet(node)) {
-            const double inverse = 1 / distance, square = inverse * inverse;
-            const Vec3 u{r[0] * inverse, r[1] * inverse, r[2] * inverse};
-            const auto& [xx, yy, zz, xy, xz, yz] = node.moment;
-            const double along = xx * u[0] * u[0] + yy * u[1] * u[1] + zz * u[2] * u[2] +
-                                 2 * (xy * u[0] * u[1] + xz * u[0] * u[2] + yz * u[1] * u[2]);
-            sum.turns += per_sphere * square * (dot(node.normal, u) + inverse * (xx + yy + zz - 3 * along));
+        const double error = error_of(node, length(r));
+        if (error <= share_of(node, tolerance) && !may_meet(node)) {
+            sum.turns += expansion_of(node).at(r);
             sum.error += error;
             return true;
         }

@@ -44,12 +44,12 @@ FilmTree::Sum FilmTree::sum(const Vec3& point, double tolerance) const {
 }
 
 FilmTree::View FilmTree::look_by_tenths(const Vec3& point) const {
-    for (const double tolerance : film_tolerances) {
+    for (const double tolerance : std::span(film_tolerances).subspan(1)) {
         const Sum seen = sum(point, tolerance);
         const double turns = turns_of(seen.near) + seen.far.turns, error = seen.far.error + film_slack;
         const double to_half = distance_to_half(turns) - error;
         const bool is_one_tenth = std::floor(10 * (turns - error)) == std::floor(10 * (turns + error));
-        if (tolerance == film_tolerances.front() ? is_one_tenth : is_one_tenth || to_half > 0)
+        if (tolerance == film_tolerances.back() ? is_one_tenth || to_half > 0 : is_one_tenth)
             return {static_cast<int>(std::floor(turns + 0.5)), to_half};
     }
     return look_at_all(point);
