@@ -15,7 +15,7 @@
 typedef struct TreePoint {
     float x, y, z;
     float x_low, y_low, z_low;
-    float rounding;  // more than the low parts
+    float rounding;  // more than the low parts, and the boxes' margin
 } TreePoint;
 
 INLINE TreePoint tree_point(double3 p) {
@@ -28,7 +28,7 @@ INLINE TreePoint tree_point(double3 p) {
     point.z_low = (float)(p.z - (double)point.z);
     const float x = fabs(point.x), y = fabs(point.y), z = fabs(point.z);
     const float two = GREATER(x, y);
-    point.rounding = 2.4e-7f * GREATER(two, z);
+    point.rounding = 2.4e-7f * GREATER(two, z) + CLSDF_BOX_MARGIN;
     return point;
 }
 
@@ -57,37 +57,57 @@ typedef struct PlacedDistance {
     uint following;  // places of the leaf
 } PlacedDistance;
 
-// The bound, in u = 2^-24. Let R be the sum of the lengths that a distance follows from: the coordinates from the
-// origin (which the sums of two floats give with 2 u), the frame's values there, and the lengths of its sides.
-// - X, Y, Z have 7 u R: numbers of the frame u, coordinates 2 u, products u, sums 3 u.
-// - Offsets from an edge add at most 5 u R to two of them: normals u, differences u, products u, sums 2 u. So each of
-//   the three offsets has less than 2 * 7 u R + 5 u R = 19 u R, as a normal turns two errors into at most their sum.
-// - A half, or an edge, that rounding takes for the other one gives the distance of a point that is no farther away
-//   than the rounding of X or Y, so this adds at most 2 * 7 u R.
-// - The distance has sqrt(3) * 19 u R + 14 u R, and 4 u of itself for squares, sums and a root of 3 ulp: at most
-//   51 u R = 3.1e-6 R.
-// The formula in double rounds with the mesh and with the point from the lattice's origin: less than 1e-11 unit within
-// a thousand units of the mesh, and less than 1e-13 R farther away.
-#define PLACED_ERROR 4.0e-6f
-#define LEAST_PLACED_ERROR 1.0e-10f
+// The bound, in u = 2^-24. Let D be the sum of the coordinates' sizes from the foot, and R that of D and the lengths of
+// the sides. The distance to the face is at most D.
+// - Coordinates from the foot have 2 u D: both parts of a foot are floats, as are both of a point. What this leaves out
+//   is below 1e-11 unit, or below u^2 D.
+// - X and Y have 6 u D: numbers of the frame u, coordinates 2 u, products u, sums 2 u. The normal has 4 u on each axis:
+//   factors 2 u, products u, the difference u. So Z has 9 u D. As a distance changes by no more than the point moves,
+//   it has less than sqrt(6^2 + 6^2 + 9^2) u D < 13 u D by then. X and Y, as rounded, tell the half and whether the
+//   base counts without error.
+// - Normals of a slanted edge have 8 u: lengths u, squares 3 u, their sum 4 u, its root of 2 ulp 2 u + 4 u, the product
+//   u. Offsets from an end of a side have 2 u R: length u, difference u. So the offsets from an edge have less than
+//   8 u R + 2 u R + 2 u R, the last for products and the sum, and a distance that follows from two of them has less
+//   than sqrt(2) * 12 u R < 17 u R.
+// - Squares, sums and a root of 3 ulp have 8 u of the distance.
+// In all less than 38 u R = 2.3e-6 R. A half whose sides are shorter than 1e-12 unit is taken for its box.
+//
+// A foot is rounded to fixed point, at the lattice's end downwards: sqrt(3) 2^-23 < 2.1e-7 unit. The frame in double is
+// orthonormal, and the formula rounds with the mesh and with the point from the lattice's origin: less than 1e-9 unit
+// within a thousand units of the mesh, and less than 1e-12 R farther away.
+#define PLACED_ERROR 2.6e-6f
+#define LEAST_PLACED_ERROR 2.2e-7f
+
+// A coordinate from the foot.
+INLINE float from_foot(float at, float at_low, uint foot) {
+    return (at - (float)(foot >> CLSDF_FOOT_LOW_BITS) * ((1 << CLSDF_FOOT_LOW_BITS) / CLSDF_FOOT_UNIT)) +
+           (at_low - (float)(foot & ((1u << CLSDF_FOOT_LOW_BITS) - 1u)) * (1 / CLSDF_FOOT_UNIT));
+}
 
 INLINE PlacedDistance placed_distance(__global const PlacedFace* face, TreePoint p) {
-    const float4 sides = FOUR_OF(face, 3), rest = FOUR_OF(face, 4);
-    const uint origin = as_uint(rest.w);
-    const float x = (p.x - (float)(origin & 1023u)) + p.x_low, y = (p.y - (float)(origin >> 10 & 1023u)) + p.y_low,
-                z = (p.z - (float)(origin >> 20 & 1023u)) + p.z_low;
-    const float4 frame_x = FOUR_OF(face, 0), frame_y = FOUR_OF(face, 1), frame_z = FOUR_OF(face, 2);
-#define COORDINATE(frame) (frame.x * x + (frame.y * y + (frame.z * z + frame.w)))
-    const PlacedEdgeOffsets offsets = placed_edge_offsets(COORDINATE(frame_x), COORDINATE(frame_y), sides.x, sides.y,
-                                                          sides.z, sides.w, rest.x, rest.y, rest.z);
-    const float squared = squared_from_placed_edge(EDGE_THAT_COUNTS(offsets, ), COORDINATE(frame_z));
-#undef COORDINATE
-    const float lengths = fabs(x) + fabs(y) + fabs(z) + fabs(frame_x.w) + fabs(frame_y.w) + fabs(frame_z.w) +
-                          (sides.x + sides.y + rest.z);
+    const uint4 first = FOUR_WORDS(face, 0), second = FOUR_WORDS(face, 1), third = FOUR_WORDS(face, 2);
+    const float x = from_foot(p.x, p.x_low, first.x), y = from_foot(p.y, p.y_low, first.y),
+                z = from_foot(p.z, p.z_low, first.z);
+    const float altitude = as_float(first.w), right = fabs(as_float(second.w)), left = fabs(as_float(third.w));
+    const float along_x = as_float(second.x), along_y = as_float(second.y), along_z = as_float(second.z),
+                across_x = as_float(third.x), across_y = as_float(third.y), across_z = as_float(third.z);
+    const float normal_x = along_y * across_z - along_z * across_y, normal_y = along_z * across_x - along_x * across_z,
+                normal_z = along_x * across_y - along_y * across_x;
+#define FROM_FOOT(axis) (axis##_x * x + (axis##_y * y + axis##_z * z))
+    const float along = FROM_FOOT(along), base = along < 0.0f ? left : right,
+                squared_edge = base * base + altitude * altitude;
+    const bool has_edge = squared_edge > 1.0e-24f;
+    const float per_edge = has_edge ? rsqrt(squared_edge) : 0.0f, normal_along = has_edge ? altitude * per_edge : 1.0f,
+                normal_across = base * per_edge;
+    const PlacedEdgeOffsets offsets = placed_edge_offsets(along, FROM_FOOT(across), base, base, normal_along,
+                                                          normal_along, normal_across, normal_across, altitude);
+    const float squared = squared_from_placed_edge(EDGE_THAT_COUNTS(offsets, ), FROM_FOOT(normal));
+#undef FROM_FOOT
+    const float lengths = fabs(x) + fabs(y) + fabs(z) + (right + left + altitude);
     PlacedDistance result;
     result.distance = sqrt(squared);
     result.error = PLACED_ERROR * lengths + LEAST_PLACED_ERROR;
-    result.following = origin >> CLSDF_PLACE_SHIFT;
+    result.following = second.w >> 31 | third.w >> 31 << 1;
     return result;
 }
 

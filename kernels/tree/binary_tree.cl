@@ -15,9 +15,6 @@
 
 #define GROUP 64
 
-// Wider than the rounding of a frame, which has the size of the mesh's box.
-#define FRAME_ERROR 1.0e-6
-
 // A corner of a face, in units.
 static inline double3 corner(TreeLattice lattice, __global const double* positions, __global const uint* triangles,
                              uint face, uint number) {
@@ -155,29 +152,24 @@ static inline float below(double x) {
     return rounded - fabs(rounded) * 0x1.0p-23f;
 }
 
-static inline float origin_cell(float lower, float upper) {
-    const float middle = (lower + upper) * 0.5f + 0.5f;
-    const float positive = GREATER(middle, 0.0f);
-    return (float)(int)LESSER(positive, 1023.0f);
+static inline float with_sign(float x, uint sign) {
+    return as_float(as_uint(x) | sign << 31);
 }
 
-static inline void store_frame(__global const Polyhedron* polyhedron, __global const PointFace* face, float3 origin,
+static inline void store_frame(__global const Polyhedron* polyhedron, __global const PointFace* face, uint following,
                                __global PlacedFace* placed) {
-    for (int n = 0; n < 3; ++n) {
-        const double x = polyhedron->exact_gradient_x[n], y = polyhedron->exact_gradient_y[n],
-                     z = polyhedron->exact_gradient_z[n];
-        placed->frame[n][0] = (float)x;
-        placed->frame[n][1] = (float)y;
-        placed->frame[n][2] = (float)z;
-        placed->frame[n][3] =
-            (float)(x * (double)origin.x + (y * (double)origin.y + (z * (double)origin.z + face->offset[n])));
-    }
-    for (int half_number = 0; half_number < 2; ++half_number) {
-        placed->base[half_number] = (float)polyhedron->exact_base[half_number];
-        placed->normal_along[half_number] = (float)polyhedron->exact_normal_along[half_number];
-        placed->normal_across[half_number] = (float)polyhedron->exact_normal_across[half_number];
+    __global const double* axes[3] = {polyhedron->exact_gradient_x, polyhedron->exact_gradient_y,
+                                      polyhedron->exact_gradient_z};
+    for (int axis = 0; axis < 3; ++axis) {
+        const double foot =
+            -(axes[axis][0] * face->offset[0] + (axes[axis][1] * face->offset[1] + axes[axis][2] * face->offset[2]));
+        placed->foot[axis] = convert_uint_sat_rte(foot * (double)CLSDF_FOOT_UNIT);
+        placed->along[axis] = (float)axes[axis][0];
+        placed->across[axis] = (float)axes[axis][1];
     }
     placed->altitude = (float)polyhedron->exact_altitude;
+    placed->right = with_sign((float)polyhedron->exact_base[CLSDF_HALF_RIGHT], following & 1u);
+    placed->left = with_sign((float)polyhedron->exact_base[CLSDF_HALF_LEFT], following >> 1);
 }
 
 // The box and the frame of the face of each place.
@@ -196,14 +188,11 @@ __kernel void fit_faces(uint count, TreeLattice lattice, __global const double* 
     for (int axis = 0; axis < 3; ++axis) {
         const double first = corners[axis][0], second = corners[axis][1], third = corners[axis][2];
         const double lesser = LESSER(first, second), greater = GREATER(first, second);
-        box.lower[axis] = below(LESSER(lesser, third) - FRAME_ERROR);
-        box.upper[axis] = -below(-(GREATER(greater, third) + FRAME_ERROR));
+        box.lower[axis] = below(LESSER(lesser, third));
+        box.upper[axis] = -below(-GREATER(greater, third));
     }
     boxes[i] = box;
-    const float3 origin = (float3)(origin_cell(box.lower[0], box.upper[0]), origin_cell(box.lower[1], box.upper[1]),
-                                   origin_cell(box.lower[2], box.upper[2]));
-    store_frame(polyhedra + face, all_faces + face, origin, faces + i);
-    faces[i].origin = (uint)origin.x | (uint)origin.y << 10 | (uint)origin.z << 20 | (order[i] & ~CLSDF_PLACE_FACE);
+    store_frame(polyhedra + face, all_faces + face, order[i] >> CLSDF_PLACE_SHIFT, faces + i);
 }
 
 // A level of boxes [from, from + count) becomes the next one, from + count on.
@@ -229,6 +218,12 @@ static inline FaceBox box_of_places(__global const FaceBox* boxes, uint count, u
     return box;
 }
 
+// A word of a node: the planes of the lattice around a range of floats that are not negative. No quotient is rounded to
+// a plane: a float that lies on none is at least 2^-30 units away, but from plane 0, where nothing is lost.
+static inline uint planes_around(float lower, float upper) {
+    return (uint)((double)lower / (double)CLSDF_BOX_CELL) | (uint)ceil((double)upper / (double)CLSDF_BOX_CELL) << 16;
+}
+
 static inline double area_of(FaceBox box) {
     const double x = (double)box.upper[0] - (double)box.lower[0], y = (double)box.upper[1] - (double)box.lower[1],
                  z = (double)box.upper[2] - (double)box.lower[2];
@@ -251,10 +246,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fit_nodes(uint 
             const FaceBox box = box_of_places(boxes, places, child == 0 ? of_nodes[i].first : middle,
                                               child == 0 ? middle : of_nodes[i].end);
 #pragma unroll
-            for (int axis = 0; axis < 3; ++axis) {
-                nodes[i].box[child][axis] = box.lower[axis];
-                nodes[i].box[child][3 + axis] = box.upper[axis];
-            }
+            for (int axis = 0; axis < 3; ++axis)
+                nodes[i].box[child][axis] = planes_around(box.lower[axis], box.upper[axis]);
             nodes[i].link[child] = of_nodes[i].link[child];
             area += area_of(box);
         }
