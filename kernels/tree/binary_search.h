@@ -54,28 +54,35 @@ DEFINE_SQUARED_FROM_EDGE(squared_from_placed_edge, float)
 // The distance of a face in float, and the bound of its difference from the square root of face_distance().
 typedef struct PlacedDistance {
     float distance, error;
-    uint following;  // places of the leaf
+    bool is_followed;
 } PlacedDistance;
 
 // The bound, in u = 2^-24. Let D be the sum of the coordinates' sizes from the foot, and R that of D and the lengths of
 // the sides. The distance to the face is at most D.
-// - Coordinates from the foot have 2 u D: both parts of a foot are floats, as are both of a point. What this leaves out
-//   is below 1e-11 unit, or below u^2 D.
-// - X and Y have 6 u D: numbers of the frame u, coordinates 2 u, products u, sums 2 u. The normal has 4 u on each axis:
-//   factors 2 u, products u, the difference u. So Z has 9 u D. As a distance changes by no more than the point moves,
-//   it has less than sqrt(6^2 + 6^2 + 9^2) u D < 13 u D by then. X and Y, as rounded, tell the half and whether the
-//   base counts without error.
-// - Normals of a slanted edge have 8 u: lengths u, squares 3 u, their sum 4 u, its root of 2 ulp 2 u + 4 u, the product
-//   u. Offsets from an end of a side have 2 u R: length u, difference u. So the offsets from an edge have less than
-//   8 u R + 2 u R + 2 u R, the last for products and the sum, and a distance that follows from two of them has less
-//   than sqrt(2) * 12 u R < 17 u R.
+// - The turn is rounded to a quaternion q of the integers x, y, z, w, of which one has 32767 as its size, and three are
+//   off by 1/2 at most. So the face is turned about its foot by less than 2 * sqrt(3/4) / 32767 = 5.3e-5, and its
+//   points move by less than that times the length of the base. Its other lengths are rounded by u: u R. What follows
+//   is about the face of the rounded numbers.
+// - Coordinates from the foot have 2 u D: both parts of the foot are floats, as are both of a point. What this leaves
+//   out is below 1e-11 unit, or below u^2 D.
+// - The turn of d is d + 2 / |q|^2 (w t + v x t), with v = (x, y, z) and t = v x d. As vectors: t has 2 sqrt(2) u |v|
+// |d|,
+//   which becomes 6.9 u |d|, as 2 (|w| + |v|) |v| <= (1 + sqrt(2)) |q|^2; the sum in brackets has 3 u of its parts'
+//   sizes, 9.5 u |d|; the factor has 9 u: 4 u for squares and sums, 2.5 ulp for the quotient. It multiplies a vector
+//   that becomes 2 |d| at most: 18 u |d|. The product has 2 u |d|, the last sum u |d|. With the coordinates' own error
+//   this is less than 40 u D, and a distance changes by no more than the point moves. X and Y, as rounded, tell the
+//   half and whether the base counts without error.
+// - Normals of a slanted edge have 7 u: squares and their sum 2 u, which the root halves, the root of 2 ulp 4 u, the
+//   product u. Offsets from an end of a side have u R. So the offsets from an edge have 7 u R + u R, and 2 u R for
+//   products and the sum; a distance that follows from two of them has less than sqrt(2) * 10 u R < 15 u R.
 // - Squares, sums and a root of 3 ulp have 8 u of the distance.
-// In all less than 38 u R = 2.3e-6 R. A half whose sides are shorter than 1e-12 unit is taken for its box.
+// In all less than 64 u R = 3.9e-6 R. A half whose sides are shorter than 1e-12 unit is taken for its box.
 //
 // A foot is rounded to fixed point, at the lattice's end downwards: sqrt(3) 2^-23 < 2.1e-7 unit. The frame in double is
 // orthonormal, and the formula rounds with the mesh and with the point from the lattice's origin: less than 1e-9 unit
 // within a thousand units of the mesh, and less than 1e-12 R farther away.
-#define PLACED_ERROR 2.6e-6f
+#define PLACED_ERROR 4.2e-6f
+#define TURN_ERROR 5.4e-5f
 #define LEAST_PLACED_ERROR 2.2e-7f
 
 // A coordinate from the foot.
@@ -84,30 +91,33 @@ INLINE float from_foot(float at, float at_low, uint foot) {
            (at_low - (float)(foot & ((1u << CLSDF_FOOT_LOW_BITS) - 1u)) * (1 / CLSDF_FOOT_UNIT));
 }
 
+// The integers in the halves of a word.
+#define LOW_HALF(word) ((float)((int)((word) << 16) >> 16))
+#define HIGH_HALF(word) ((float)((int)(word) >> 16))
+
 INLINE PlacedDistance placed_distance(__global const PlacedFace* face, TreePoint p) {
-    const uint4 first = FOUR_WORDS(face, 0), second = FOUR_WORDS(face, 1), third = FOUR_WORDS(face, 2);
+    const uint4 first = FOUR_WORDS(face, 0), second = FOUR_WORDS(face, 1);
     const float x = from_foot(p.x, p.x_low, first.x), y = from_foot(p.y, p.y_low, first.y),
                 z = from_foot(p.z, p.z_low, first.z);
-    const float altitude = as_float(first.w), right = fabs(as_float(second.w)), left = fabs(as_float(third.w));
-    const float along_x = as_float(second.x), along_y = as_float(second.y), along_z = as_float(second.z),
-                across_x = as_float(third.x), across_y = as_float(third.y), across_z = as_float(third.z);
-    const float normal_x = along_y * across_z - along_z * across_y, normal_y = along_z * across_x - along_x * across_z,
-                normal_z = along_x * across_y - along_y * across_x;
-#define FROM_FOOT(axis) (axis##_x * x + (axis##_y * y + axis##_z * z))
-    const float along = FROM_FOOT(along), base = along < 0.0f ? left : right,
-                squared_edge = base * base + altitude * altitude;
+    const float right = fabs(as_float(first.w)), left = as_float(second.x), altitude = as_float(second.y);
+    const float turn_x = LOW_HALF(second.z), turn_y = HIGH_HALF(second.z), turn_z = LOW_HALF(second.w),
+                turn_w = HIGH_HALF(second.w);
+    const float factor = 2.0f / (turn_x * turn_x + turn_y * turn_y + turn_z * turn_z + turn_w * turn_w);
+    const float t_x = turn_y * z - turn_z * y, t_y = turn_z * x - turn_x * z, t_z = turn_x * y - turn_y * x;
+    const float along = x + factor * (turn_w * t_x + (turn_y * t_z - turn_z * t_y)),
+                across = y + factor * (turn_w * t_y + (turn_z * t_x - turn_x * t_z)),
+                away = z + factor * (turn_w * t_z + (turn_x * t_y - turn_y * t_x));
+    const float base = along < 0.0f ? left : right, squared_edge = base * base + altitude * altitude;
     const bool has_edge = squared_edge > 1.0e-24f;
     const float per_edge = has_edge ? rsqrt(squared_edge) : 0.0f, normal_along = has_edge ? altitude * per_edge : 1.0f,
                 normal_across = base * per_edge;
-    const PlacedEdgeOffsets offsets = placed_edge_offsets(along, FROM_FOOT(across), base, base, normal_along,
-                                                          normal_along, normal_across, normal_across, altitude);
-    const float squared = squared_from_placed_edge(EDGE_THAT_COUNTS(offsets, ), FROM_FOOT(normal));
-#undef FROM_FOOT
-    const float lengths = fabs(x) + fabs(y) + fabs(z) + (right + left + altitude);
+    const PlacedEdgeOffsets offsets = placed_edge_offsets(along, across, base, base, normal_along, normal_along,
+                                                          normal_across, normal_across, altitude);
+    const float longest = right + left, lengths = fabs(x) + fabs(y) + fabs(z) + (longest + altitude);
     PlacedDistance result;
-    result.distance = sqrt(squared);
-    result.error = PLACED_ERROR * lengths + LEAST_PLACED_ERROR;
-    result.following = second.w >> 31 | third.w >> 31 << 1;
+    result.distance = sqrt(squared_from_placed_edge(EDGE_THAT_COUNTS(offsets, ), away));
+    result.error = PLACED_ERROR * lengths + (TURN_ERROR * longest + LEAST_PLACED_ERROR);
+    result.is_followed = first.w >> 31 != 0;
     return result;
 }
 
@@ -139,14 +149,14 @@ INLINE NearBound bound_of_squared(double squared) {
 #define SQUARED_BOUND(query) ((query)->bound.squared)
 #define DEFINE_SEARCH(search, Query, take, end_leaf)                                      \
     INLINE bool search##_in_leaf(uint place, __private Query* query) {                    \
-        uint following = 0;                                                               \
+        bool is_followed = false;                                                         \
         do {                                                                              \
             COUNTED(faces, 1);                                                            \
             const PlacedDistance d = placed_distance(query->faces + place, query->point); \
-            following = d.following;                                                      \
+            is_followed = d.is_followed;                                                  \
             if (d.distance - d.error <= query->bound.distance) take(place, d, query);     \
             ++place;                                                                      \
-        } while (following != 0);                                                         \
+        } while (is_followed);                                                            \
         end_leaf(place, query);                                                           \
         return false;                                                                     \
     }                                                                                     \

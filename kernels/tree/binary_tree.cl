@@ -152,11 +152,29 @@ static inline float below(double x) {
     return rounded - fabs(rounded) * 0x1.0p-23f;
 }
 
-static inline float with_sign(float x, uint sign) {
-    return as_float(as_uint(x) | sign << 31);
+static inline uint two_halves(double low, double high, double factor) {
+    return ((uint)convert_int_rte(low * factor) & 0xFFFFu) | (uint)convert_int_rte(high * factor) << 16;
 }
 
-static inline void store_frame(__global const Polyhedron* polyhedron, __global const PointFace* face, uint following,
+// Writes the quaternion of the rotation whose rows are x, y and their cross product z: the products of its numbers with
+// the greatest one (S. W. Shepperd, Quaternion from rotation matrix, 1978).
+static inline void store_turn(double3 x, double3 y, __global uint* turn) {
+    const double3 z = cross(x, y);
+    const double of_w = 1.0 + x.x + y.y + z.z, of_x = 1.0 + x.x - y.y - z.z, of_y = 1.0 - x.x + y.y - z.z,
+                 of_z = 1.0 - x.x - y.y + z.z, most_xy = GREATER(of_x, of_y), most_zw = GREATER(of_z, of_w);
+    double4 q;
+    if (most_zw >= most_xy)
+        q = of_w >= of_z ? (double4)(z.y - y.z, x.z - z.x, y.x - x.y, of_w)
+                         : (double4)(x.z + z.x, y.z + z.y, of_z, y.x - x.y);
+    else
+        q = of_x >= of_y ? (double4)(of_x, x.y + y.x, x.z + z.x, z.y - y.z)
+                         : (double4)(x.y + y.x, of_y, y.z + z.y, x.z - z.x);
+    const double factor = CLSDF_GREATEST_OF_TURN / GREATER(most_xy, most_zw);
+    turn[0] = two_halves(q.x, q.y, factor);
+    turn[1] = two_halves(q.z, q.w, factor);
+}
+
+static inline void store_frame(__global const Polyhedron* polyhedron, __global const PointFace* face, bool is_followed,
                                __global PlacedFace* placed) {
     __global const double* axes[3] = {polyhedron->exact_gradient_x, polyhedron->exact_gradient_y,
                                       polyhedron->exact_gradient_z};
@@ -164,12 +182,13 @@ static inline void store_frame(__global const Polyhedron* polyhedron, __global c
         const double foot =
             -(axes[axis][0] * face->offset[0] + (axes[axis][1] * face->offset[1] + axes[axis][2] * face->offset[2]));
         placed->foot[axis] = convert_uint_sat_rte(foot * (double)CLSDF_FOOT_UNIT);
-        placed->along[axis] = (float)axes[axis][0];
-        placed->across[axis] = (float)axes[axis][1];
     }
+    const float right = (float)polyhedron->exact_base[CLSDF_HALF_RIGHT];
+    placed->right = is_followed ? -right : right;
+    placed->left = (float)polyhedron->exact_base[CLSDF_HALF_LEFT];
     placed->altitude = (float)polyhedron->exact_altitude;
-    placed->right = with_sign((float)polyhedron->exact_base[CLSDF_HALF_RIGHT], following & 1u);
-    placed->left = with_sign((float)polyhedron->exact_base[CLSDF_HALF_LEFT], following >> 1);
+    store_turn((double3)(axes[0][0], axes[1][0], axes[2][0]), (double3)(axes[0][1], axes[1][1], axes[2][1]),
+               placed->turn);
 }
 
 // The box and the frame of the face of each place.
@@ -192,7 +211,7 @@ __kernel void fit_faces(uint count, TreeLattice lattice, __global const double* 
         box.upper[axis] = -below(-GREATER(greater, third));
     }
     boxes[i] = box;
-    store_frame(polyhedra + face, all_faces + face, order[i] >> CLSDF_PLACE_SHIFT, faces + i);
+    store_frame(polyhedra + face, all_faces + face, order[i] >> CLSDF_PLACE_SHIFT != 0, faces + i);
 }
 
 // A level of boxes [from, from + count) becomes the next one, from + count on.

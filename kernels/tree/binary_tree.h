@@ -32,6 +32,8 @@
 #define CLSDF_FOOT_UNIT 0x1p23f
 #define CLSDF_FOOT_LOW_BITS 8
 
+#define CLSDF_GREATEST_OF_TURN 32767
+
 // Boxes are joined by so many.
 #define CLSDF_JOINED_BOXES 8
 
@@ -62,15 +64,15 @@ typedef struct NodePlaces {
     clsdf_uint32 link[2];
 } NodePlaces;
 
-// The frame of a face (polyhedron.h): its origin in fixed point, the rest in float. Z follows from X and Y, the normals
-// of the slanted edges from the lengths.
+// The frame of a face (polyhedron.h), whose origin is the foot of the altitude. The quaternion (x, y, z, w) turns
+// directions into those of the frame; its integers are relative to 32767, the size of the greatest. The normals of the
+// slanted edges follow from the lengths.
 typedef struct PlacedFace {
-    clsdf_uint32 foot[3];
-    float altitude;
-    float along[3];  // the gradient of X
-    float right;     // base[CLSDF_HALF_RIGHT]
-    float across[3];
+    clsdf_uint32 foot[3];  // in fixed point
+    float right;           // base[CLSDF_HALF_RIGHT]; its sign is set if the next place is of the same leaf
     float left;
+    float altitude;
+    clsdf_uint32 turn[2];  // x, and y in the high half; z and w
 } PlacedFace;
 
 typedef struct FaceBox {
@@ -89,7 +91,7 @@ typedef struct TreeLattice {
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(BinaryTree) == 12 && sizeof(NodePlaces) == 20 && sizeof(FaceBox) == 24);
 static_assert(sizeof(BinaryNode) == 32 && offsetof(BinaryNode, link) == 24);
-static_assert(sizeof(PlacedFace) == 48 && offsetof(PlacedFace, along) == 16 && offsetof(PlacedFace, left) == 44);
+static_assert(sizeof(PlacedFace) == 32 && offsetof(PlacedFace, left) == 16 && offsetof(PlacedFace, turn) == 24);
 static_assert(sizeof(TreeLattice) == 48);
 }  // namespace clsdf
 #endif

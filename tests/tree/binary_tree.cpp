@@ -117,12 +117,6 @@ std::uint32_t plane_above(float x) {
     return static_cast<double>(plane) * 129 / 16384 < static_cast<double>(x) ? plane + 1 : plane;
 }
 
-/// Which places follow that of a face in its leaf.
-std::uint32_t following(const PlacedFace& face) {
-    return static_cast<std::uint32_t>(std::signbit(face.right)) | static_cast<std::uint32_t>(std::signbit(face.left))
-                                                                      << 1;
-}
-
 /// Goes down the tree beside a plain one.
 class Comparison {
 public:
@@ -137,7 +131,7 @@ public:
             wrong += link != (tree.leaf | begin);
             for (std::size_t place = begin; place < end; ++place) {
                 wrong += made_.order[place] >> CLSDF_PLACE_SHIFT != end - 1 - place;
-                wrong += following(made_.faces[place]) != end - 1 - place;
+                wrong += std::signbit(made_.faces[place].right) != (place + 1 < end);
             }
             return;
         }
