@@ -65,13 +65,12 @@ typedef struct PlacedDistance {
 //   is about the face of the rounded numbers.
 // - Coordinates from the foot have 2 u D: both parts of the foot are floats, as are both of a point. What this leaves
 //   out is below 1e-11 unit, or below u^2 D.
-// - The turn of d is d + 2 / |q|^2 (w t + v x t), with v = (x, y, z) and t = v x d. As vectors: t has 2 sqrt(2) u |v|
-// |d|,
-//   which becomes 6.9 u |d|, as 2 (|w| + |v|) |v| <= (1 + sqrt(2)) |q|^2; the sum in brackets has 3 u of its parts'
-//   sizes, 9.5 u |d|; the factor has 9 u: 4 u for squares and sums, 2.5 ulp for the quotient. It multiplies a vector
-//   that becomes 2 |d| at most: 18 u |d|. The product has 2 u |d|, the last sum u |d|. With the coordinates' own error
-//   this is less than 40 u D, and a distance changes by no more than the point moves. X and Y, as rounded, tell the
-//   half and whether the base counts without error.
+// - The turn of d is d + 2 / |q|^2 (w t + v x t), with v = (x, y, z) and t = v x d. As vectors, t has an error of
+//   2 sqrt(2) u |v| |d|. It becomes 6.9 u |d|, as 2 (|w| + |v|) |v| <= (1 + sqrt(2)) |q|^2. The sum in brackets has 3 u
+//   of its parts' sizes, 9.5 u |d|. The factor has 9 u, of which 4 u are for squares and sums, and 2.5 ulp for the
+//   quotient; it gives a vector of 2 |d| at most: 18 u |d|. The product has 2 u |d|, the last sum u |d|. With the
+//   coordinates' own error this is less than 40 u D, and a distance changes by no more than the point moves. X and Y,
+//   as rounded, tell the half and whether the base counts without error.
 // - Normals of a slanted edge have 7 u: squares and their sum 2 u, which the root halves, the root of 2 ulp 4 u, the
 //   product u. Offsets from an end of a side have u R. So the offsets from an edge have 7 u R + u R, and 2 u R for
 //   products and the sum; a distance that follows from two of them has less than sqrt(2) * 10 u R < 15 u R.

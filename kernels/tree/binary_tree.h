@@ -32,6 +32,7 @@
 #define CLSDF_FOOT_UNIT 0x1p23f
 #define CLSDF_FOOT_LOW_BITS 8
 
+// The size of the greatest number of a face's turn.
 #define CLSDF_GREATEST_OF_TURN 32767
 
 // Boxes are joined by so many.
@@ -65,8 +66,7 @@ typedef struct NodePlaces {
 } NodePlaces;
 
 // The frame of a face (polyhedron.h), whose origin is the foot of the altitude. The quaternion (x, y, z, w) turns
-// directions into those of the frame; its integers are relative to 32767, the size of the greatest. The normals of the
-// slanted edges follow from the lengths.
+// directions into those of the frame. The normals of the slanted edges follow from the lengths.
 typedef struct PlacedFace {
     clsdf_uint32 foot[3];  // in fixed point
     float right;           // base[CLSDF_HALF_RIGHT]; its sign is set if the next place is of the same leaf
