@@ -281,7 +281,7 @@ __kernel void cross_fronts(uint begin, uint end, PointUnits units, SignTree tree
     if (!find_decidable(p, faces, &ray.from)) return;
     uint stack[CLSDF_DEEPEST_TREE];
     ray.stack = stack;
-    ray.box = box_of_point(from_origin);
+    ray.box = box_of_point(from_origin, SIGN_MARGIN);
     ray.is_crossed = true;
     ray.is_forward = p.x - faces.lower_x > faces.upper_x - p.x;
     if (ray.is_forward)

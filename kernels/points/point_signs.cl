@@ -65,6 +65,7 @@ INLINE bool visit_face(uint face, __private Ray* ray) {
 #if LANES == 1
 typedef BinaryTree SignTree;
 typedef BinaryNode SignNode;
+#define SIGN_MARGIN CLSDF_BOX_MARGIN
 
 #define BOX_OF_RAY(lower_x, lower_y, lower_z, upper_x, upper_y, upper_z, ray) \
     zero_if_overlapped(lower_x, lower_y, lower_z, upper_x, upper_y, upper_z, (ray)->box)
@@ -87,6 +88,7 @@ INLINE bool visit_faces(SignTree tree, __global const SignNode* nodes, __private
 #else
 typedef PointTree SignTree;
 typedef PointNode SignNode;
+#define SIGN_MARGIN 0.0f  // the boxes are wider
 
 #define CHILDREN_OF_RAY(node, level, ray) overlapped_children(node, (ray)->box)
 #define LOWEST(bits, level, ray) lowest_bit(bits)
@@ -202,7 +204,7 @@ __kernel void decide_open_points(PointSource source, __global const uchar* memor
     uint stack[CLSDF_DEEPEST_TREE];
     ray.stack = stack;
 #endif
-    ray.box = box_of_point(vload3(i, in_units));
+    ray.box = box_of_point(vload3(i, in_units), SIGN_MARGIN);
     ray.is_forward = !faces.is_backward && p.x - faces.lower_x > faces.upper_x - p.x;
     if (sqrt(squared[i]) < CLSDF_NEARLY_ON_SURFACE && visit_faces(tree, nodes, &ray)) {
         signs[i] = CLSDF_POINT_ON_SURFACE;

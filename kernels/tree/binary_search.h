@@ -15,7 +15,7 @@
 typedef struct TreePoint {
     float x, y, z;
     float x_low, y_low, z_low;
-    float rounding;  // more than the low parts
+    float rounding;  // more than the low parts, and the boxes' margin
 } TreePoint;
 
 INLINE TreePoint tree_point(double3 p) {
@@ -28,7 +28,7 @@ INLINE TreePoint tree_point(double3 p) {
     point.z_low = (float)(p.z - (double)point.z);
     const float x = fabs(point.x), y = fabs(point.y), z = fabs(point.z);
     const float two = GREATER(x, y);
-    point.rounding = 2.4e-7f * GREATER(two, z);
+    point.rounding = 2.4e-7f * GREATER(two, z) + CLSDF_BOX_MARGIN;
     return point;
 }
 
@@ -54,40 +54,69 @@ DEFINE_SQUARED_FROM_EDGE(squared_from_placed_edge, float)
 // The distance of a face in float, and the bound of its difference from the square root of face_distance().
 typedef struct PlacedDistance {
     float distance, error;
-    uint following;  // places of the leaf
+    bool is_followed;
 } PlacedDistance;
 
-// The bound, in u = 2^-24. Let R be the sum of the lengths that a distance follows from: the coordinates from the
-// origin (which the sums of two floats give with 2 u), the frame's values there, and the lengths of its sides.
-// - X, Y, Z have 7 u R: numbers of the frame u, coordinates 2 u, products u, sums 3 u.
-// - Offsets from an edge add at most 5 u R to two of them: normals u, differences u, products u, sums 2 u. So each of
-//   the three offsets has less than 2 * 7 u R + 5 u R = 19 u R, as a normal turns two errors into at most their sum.
-// - A half, or an edge, that rounding takes for the other one gives the distance of a point that is no farther away
-//   than the rounding of X or Y, so this adds at most 2 * 7 u R.
-// - The distance has sqrt(3) * 19 u R + 14 u R, and 4 u of itself for squares, sums and a root of 3 ulp: at most
-//   51 u R = 3.1e-6 R.
-// The formula in double rounds with the mesh and with the point from the lattice's origin: less than 1e-11 unit within
-// a thousand units of the mesh, and less than 1e-13 R farther away.
-#define PLACED_ERROR 4.0e-6f
-#define LEAST_PLACED_ERROR 1.0e-10f
+// The bound, in u = 2^-24. Let D be the sum of the coordinates' sizes from the foot, and R that of D and the lengths of
+// the sides. The distance to the face is at most D.
+// - The turn is rounded to a quaternion q of the integers x, y, z, w, of which one has 32767 as its size, and three are
+//   off by 1/2 at most. So the face is turned about its foot by less than 2 * sqrt(3/4) / 32767 = 5.3e-5, and its
+//   points move by less than that times the length of the base. Its other lengths are rounded by u: u R. What follows
+//   is about the face of the rounded numbers.
+// - Coordinates from the foot have 2 u D: both parts of the foot are floats, as are both of a point. What this leaves
+//   out is below 1e-11 unit, or below u^2 D.
+// - The turn of d is d + 2 / |q|^2 (w t + v x t), with v = (x, y, z) and t = v x d. As vectors, t has an error of
+//   2 sqrt(2) u |v| |d|. It becomes 6.9 u |d|, as 2 (|w| + |v|) |v| <= (1 + sqrt(2)) |q|^2. The sum in brackets has 3 u
+//   of its parts' sizes, 9.5 u |d|. The factor has 9 u, of which 4 u are for squares and sums, and 2.5 ulp for the
+//   quotient; it gives a vector of 2 |d| at most: 18 u |d|. The product has 2 u |d|, the last sum u |d|. With the
+//   coordinates' own error this is less than 40 u D, and a distance changes by no more than the point moves. X and Y,
+//   as rounded, tell the half and whether the base counts without error.
+// - Normals of a slanted edge have 7 u: squares and their sum 2 u, which the root halves, the root of 2 ulp 4 u, the
+//   product u. Offsets from an end of a side have u R. So the offsets from an edge have 7 u R + u R, and 2 u R for
+//   products and the sum; a distance that follows from two of them has less than sqrt(2) * 10 u R < 15 u R.
+// - Squares, sums and a root of 3 ulp have 8 u of the distance.
+// In all less than 64 u R = 3.9e-6 R. A half whose sides are shorter than 1e-12 unit is taken for its box.
+//
+// A foot is rounded to fixed point, at the lattice's end downwards: sqrt(3) 2^-23 < 2.1e-7 unit. The frame in double is
+// orthonormal, and the formula rounds with the mesh and with the point from the lattice's origin: less than 1e-9 unit
+// within a thousand units of the mesh, and less than 1e-12 R farther away.
+#define PLACED_ERROR 4.2e-6f
+#define TURN_ERROR 5.4e-5f
+#define LEAST_PLACED_ERROR 2.2e-7f
+
+// A coordinate from the foot.
+INLINE float from_foot(float at, float at_low, uint foot) {
+    return (at - (float)(foot >> CLSDF_FOOT_LOW_BITS) * ((1 << CLSDF_FOOT_LOW_BITS) / CLSDF_FOOT_UNIT)) +
+           (at_low - (float)(foot & ((1u << CLSDF_FOOT_LOW_BITS) - 1u)) * (1 / CLSDF_FOOT_UNIT));
+}
+
+// The integers in the halves of a word.
+#define LOW_HALF(word) ((float)((int)((word) << 16) >> 16))
+#define HIGH_HALF(word) ((float)((int)(word) >> 16))
 
 INLINE PlacedDistance placed_distance(__global const PlacedFace* face, TreePoint p) {
-    const float4 sides = FOUR_OF(face, 3), rest = FOUR_OF(face, 4);
-    const uint origin = as_uint(rest.w);
-    const float x = (p.x - (float)(origin & 1023u)) + p.x_low, y = (p.y - (float)(origin >> 10 & 1023u)) + p.y_low,
-                z = (p.z - (float)(origin >> 20 & 1023u)) + p.z_low;
-    const float4 frame_x = FOUR_OF(face, 0), frame_y = FOUR_OF(face, 1), frame_z = FOUR_OF(face, 2);
-#define COORDINATE(frame) (frame.x * x + (frame.y * y + (frame.z * z + frame.w)))
-    const PlacedEdgeOffsets offsets = placed_edge_offsets(COORDINATE(frame_x), COORDINATE(frame_y), sides.x, sides.y,
-                                                          sides.z, sides.w, rest.x, rest.y, rest.z);
-    const float squared = squared_from_placed_edge(EDGE_THAT_COUNTS(offsets, ), COORDINATE(frame_z));
-#undef COORDINATE
-    const float lengths = fabs(x) + fabs(y) + fabs(z) + fabs(frame_x.w) + fabs(frame_y.w) + fabs(frame_z.w) +
-                          (sides.x + sides.y + rest.z);
+    const uint4 first = FOUR_WORDS(face, 0), second = FOUR_WORDS(face, 1);
+    const float x = from_foot(p.x, p.x_low, first.x), y = from_foot(p.y, p.y_low, first.y),
+                z = from_foot(p.z, p.z_low, first.z);
+    const float right = fabs(as_float(first.w)), left = as_float(second.x), altitude = as_float(second.y);
+    const float turn_x = LOW_HALF(second.z), turn_y = HIGH_HALF(second.z), turn_z = LOW_HALF(second.w),
+                turn_w = HIGH_HALF(second.w);
+    const float factor = 2.0f / (turn_x * turn_x + turn_y * turn_y + turn_z * turn_z + turn_w * turn_w);
+    const float t_x = turn_y * z - turn_z * y, t_y = turn_z * x - turn_x * z, t_z = turn_x * y - turn_y * x;
+    const float along = x + factor * (turn_w * t_x + (turn_y * t_z - turn_z * t_y)),
+                across = y + factor * (turn_w * t_y + (turn_z * t_x - turn_x * t_z)),
+                away = z + factor * (turn_w * t_z + (turn_x * t_y - turn_y * t_x));
+    const float base = along < 0.0f ? left : right, squared_edge = base * base + altitude * altitude;
+    const bool has_edge = squared_edge > 1.0e-24f;
+    const float per_edge = has_edge ? rsqrt(squared_edge) : 0.0f, normal_along = has_edge ? altitude * per_edge : 1.0f,
+                normal_across = base * per_edge;
+    const PlacedEdgeOffsets offsets = placed_edge_offsets(along, across, base, base, normal_along, normal_along,
+                                                          normal_across, normal_across, altitude);
+    const float longest = right + left, lengths = fabs(x) + fabs(y) + fabs(z) + (longest + altitude);
     PlacedDistance result;
-    result.distance = sqrt(squared);
-    result.error = PLACED_ERROR * lengths + LEAST_PLACED_ERROR;
-    result.following = origin >> CLSDF_PLACE_SHIFT;
+    result.distance = sqrt(squared_from_placed_edge(EDGE_THAT_COUNTS(offsets, ), away));
+    result.error = PLACED_ERROR * lengths + (TURN_ERROR * longest + LEAST_PLACED_ERROR);
+    result.is_followed = first.w >> 31 != 0;
     return result;
 }
 
@@ -119,14 +148,14 @@ INLINE NearBound bound_of_squared(double squared) {
 #define SQUARED_BOUND(query) ((query)->bound.squared)
 #define DEFINE_SEARCH(search, Query, take, end_leaf)                                      \
     INLINE bool search##_in_leaf(uint place, __private Query* query) {                    \
-        uint following = 0;                                                               \
+        bool is_followed = false;                                                         \
         do {                                                                              \
             COUNTED(faces, 1);                                                            \
             const PlacedDistance d = placed_distance(query->faces + place, query->point); \
-            following = d.following;                                                      \
+            is_followed = d.is_followed;                                                  \
             if (d.distance - d.error <= query->bound.distance) take(place, d, query);     \
             ++place;                                                                      \
-        } while (following != 0);                                                         \
+        } while (is_followed);                                                            \
         end_leaf(place, query);                                                           \
         return false;                                                                     \
     }                                                                                     \

@@ -15,9 +15,6 @@
 
 #define GROUP 64
 
-// Wider than the rounding of a frame, which has the size of the mesh's box.
-#define FRAME_ERROR 1.0e-6
-
 // A corner of a face, in units.
 static inline double3 corner(TreeLattice lattice, __global const double* positions, __global const uint* triangles,
                              uint face, uint number) {
@@ -155,29 +152,43 @@ static inline float below(double x) {
     return rounded - fabs(rounded) * 0x1.0p-23f;
 }
 
-static inline float origin_cell(float lower, float upper) {
-    const float middle = (lower + upper) * 0.5f + 0.5f;
-    const float positive = GREATER(middle, 0.0f);
-    return (float)(int)LESSER(positive, 1023.0f);
+static inline uint two_halves(double low, double high, double factor) {
+    return ((uint)convert_int_rte(low * factor) & 0xFFFFu) | (uint)convert_int_rte(high * factor) << 16;
 }
 
-static inline void store_frame(__global const Polyhedron* polyhedron, __global const PointFace* face, float3 origin,
+// Writes the quaternion of the rotation whose rows are x, y and their cross product z: the products of its numbers with
+// the greatest one (S. W. Shepperd, Quaternion from rotation matrix, 1978).
+static inline void store_turn(double3 x, double3 y, __global uint* turn) {
+    const double3 z = cross(x, y);
+    const double of_w = 1.0 + x.x + y.y + z.z, of_x = 1.0 + x.x - y.y - z.z, of_y = 1.0 - x.x + y.y - z.z,
+                 of_z = 1.0 - x.x - y.y + z.z, most_xy = GREATER(of_x, of_y), most_zw = GREATER(of_z, of_w);
+    double4 q;
+    if (most_zw >= most_xy)
+        q = of_w >= of_z ? (double4)(z.y - y.z, x.z - z.x, y.x - x.y, of_w)
+                         : (double4)(x.z + z.x, y.z + z.y, of_z, y.x - x.y);
+    else
+        q = of_x >= of_y ? (double4)(of_x, x.y + y.x, x.z + z.x, z.y - y.z)
+                         : (double4)(x.y + y.x, of_y, y.z + z.y, x.z - z.x);
+    const double factor = CLSDF_GREATEST_OF_TURN / GREATER(most_xy, most_zw);
+    turn[0] = two_halves(q.x, q.y, factor);
+    turn[1] = two_halves(q.z, q.w, factor);
+}
+
+static inline void store_frame(__global const Polyhedron* polyhedron, __global const PointFace* face, bool is_followed,
                                __global PlacedFace* placed) {
-    for (int n = 0; n < 3; ++n) {
-        const double x = polyhedron->exact_gradient_x[n], y = polyhedron->exact_gradient_y[n],
-                     z = polyhedron->exact_gradient_z[n];
-        placed->frame[n][0] = (float)x;
-        placed->frame[n][1] = (float)y;
-        placed->frame[n][2] = (float)z;
-        placed->frame[n][3] =
-            (float)(x * (double)origin.x + (y * (double)origin.y + (z * (double)origin.z + face->offset[n])));
+    __global const double* axes[3] = {polyhedron->exact_gradient_x, polyhedron->exact_gradient_y,
+                                      polyhedron->exact_gradient_z};
+    for (int axis = 0; axis < 3; ++axis) {
+        const double foot =
+            -(axes[axis][0] * face->offset[0] + (axes[axis][1] * face->offset[1] + axes[axis][2] * face->offset[2]));
+        placed->foot[axis] = convert_uint_sat_rte(foot * (double)CLSDF_FOOT_UNIT);
     }
-    for (int half_number = 0; half_number < 2; ++half_number) {
-        placed->base[half_number] = (float)polyhedron->exact_base[half_number];
-        placed->normal_along[half_number] = (float)polyhedron->exact_normal_along[half_number];
-        placed->normal_across[half_number] = (float)polyhedron->exact_normal_across[half_number];
-    }
+    const float right = (float)polyhedron->exact_base[CLSDF_HALF_RIGHT];
+    placed->right = is_followed ? -right : right;
+    placed->left = (float)polyhedron->exact_base[CLSDF_HALF_LEFT];
     placed->altitude = (float)polyhedron->exact_altitude;
+    store_turn((double3)(axes[0][0], axes[1][0], axes[2][0]), (double3)(axes[0][1], axes[1][1], axes[2][1]),
+               placed->turn);
 }
 
 // The box and the frame of the face of each place.
@@ -196,14 +207,11 @@ __kernel void fit_faces(uint count, TreeLattice lattice, __global const double* 
     for (int axis = 0; axis < 3; ++axis) {
         const double first = corners[axis][0], second = corners[axis][1], third = corners[axis][2];
         const double lesser = LESSER(first, second), greater = GREATER(first, second);
-        box.lower[axis] = below(LESSER(lesser, third) - FRAME_ERROR);
-        box.upper[axis] = -below(-(GREATER(greater, third) + FRAME_ERROR));
+        box.lower[axis] = below(LESSER(lesser, third));
+        box.upper[axis] = -below(-GREATER(greater, third));
     }
     boxes[i] = box;
-    const float3 origin = (float3)(origin_cell(box.lower[0], box.upper[0]), origin_cell(box.lower[1], box.upper[1]),
-                                   origin_cell(box.lower[2], box.upper[2]));
-    store_frame(polyhedra + face, all_faces + face, origin, faces + i);
-    faces[i].origin = (uint)origin.x | (uint)origin.y << 10 | (uint)origin.z << 20 | (order[i] & ~CLSDF_PLACE_FACE);
+    store_frame(polyhedra + face, all_faces + face, order[i] >> CLSDF_PLACE_SHIFT != 0, faces + i);
 }
 
 // A level of boxes [from, from + count) becomes the next one, from + count on.
@@ -229,6 +237,12 @@ static inline FaceBox box_of_places(__global const FaceBox* boxes, uint count, u
     return box;
 }
 
+// A word of a node: the planes of the lattice around a range of floats that are not negative. No quotient is rounded to
+// a plane: a float that lies on none is at least 2^-30 units away, but from plane 0, where nothing is lost.
+static inline uint planes_around(float lower, float upper) {
+    return (uint)((double)lower / (double)CLSDF_BOX_CELL) | (uint)ceil((double)upper / (double)CLSDF_BOX_CELL) << 16;
+}
+
 static inline double area_of(FaceBox box) {
     const double x = (double)box.upper[0] - (double)box.lower[0], y = (double)box.upper[1] - (double)box.lower[1],
                  z = (double)box.upper[2] - (double)box.lower[2];
@@ -251,10 +265,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fit_nodes(uint 
             const FaceBox box = box_of_places(boxes, places, child == 0 ? of_nodes[i].first : middle,
                                               child == 0 ? middle : of_nodes[i].end);
 #pragma unroll
-            for (int axis = 0; axis < 3; ++axis) {
-                nodes[i].box[child][axis] = box.lower[axis];
-                nodes[i].box[child][3 + axis] = box.upper[axis];
-            }
+            for (int axis = 0; axis < 3; ++axis)
+                nodes[i].box[child][axis] = planes_around(box.lower[axis], box.upper[axis]);
             nodes[i].link[child] = of_nodes[i].link[child];
             area += area_of(box);
         }

@@ -21,6 +21,20 @@
 // Faces of a point that the search lists, so that they are decided in double.
 #define CLSDF_LISTED_FACES 16
 
+// Boxes have their corners on a lattice, whose planes from 0 to 65,535 hold the mesh, which is less than 512 units
+// long. The units of a plane are a float without rounding.
+#define CLSDF_BOX_CELL (129.0f / 16384.0f)
+// Boxes hold the corners of faces. A query allows for more than the rounding of a frame, which has the size of the
+// mesh's box, and for what joining moves vertices by.
+#define CLSDF_BOX_MARGIN 1.0e-6f
+
+// The unit of a face's foot in fixed point, from the lattice's origin, and the low bits that make a float of their own.
+#define CLSDF_FOOT_UNIT 0x1p23f
+#define CLSDF_FOOT_LOW_BITS 8
+
+// The size of the greatest number of a face's turn.
+#define CLSDF_GREATEST_OF_TURN 32767
+
 // Boxes are joined by so many.
 #define CLSDF_JOINED_BOXES 8
 
@@ -39,11 +53,10 @@ typedef struct BinaryTree {
     clsdf_uint32 distance;  // the bits of an entry above the link
 } BinaryTree;
 
-// Boxes of both children: lower and upper corner. They are wider than the faces by more than the rounding of frames.
+// Boxes of both children, a word for each axis: planes of the lower corner in the low half, of the upper one above.
 typedef struct BinaryNode {
-    float box[2][6];
+    clsdf_uint32 box[2][3];
     clsdf_uint32 link[2];
-    clsdf_uint32 padding[2];
 } BinaryNode;
 
 // The places of a node: those of its first child are [first, middle), those of the second [middle, end).
@@ -52,15 +65,14 @@ typedef struct NodePlaces {
     clsdf_uint32 link[2];
 } NodePlaces;
 
-// The frame of a face (polyhedron.h) in float, from an origin near it.
+// The frame of a face (polyhedron.h), whose origin is the foot of the altitude. The quaternion (x, y, z, w) turns
+// directions into those of the frame. The normals of the slanted edges follow from the lengths.
 typedef struct PlacedFace {
-    float frame[3][4];  // of X, Y, Z: the gradient, and the value at the origin
-    float base[2];
-    float normal_along[2];
-    float normal_across[2];
+    clsdf_uint32 foot[3];  // in fixed point
+    float right;           // base[CLSDF_HALF_RIGHT]; its sign is set if the next place is of the same leaf
+    float left;
     float altitude;
-    // Whole units of the origin's x, y, z, ten bits each. In the two bits above: how many places of the leaf follow.
-    clsdf_uint32 origin;
+    clsdf_uint32 turn[2];  // x, and y in the high half; z and w
 } PlacedFace;
 
 typedef struct FaceBox {
@@ -78,8 +90,8 @@ typedef struct TreeLattice {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(BinaryTree) == 12 && sizeof(NodePlaces) == 20 && sizeof(FaceBox) == 24);
-static_assert(sizeof(BinaryNode) == 64 && offsetof(BinaryNode, link) == 48);
-static_assert(sizeof(PlacedFace) == 80 && offsetof(PlacedFace, base) == 48 && offsetof(PlacedFace, origin) == 76);
+static_assert(sizeof(BinaryNode) == 32 && offsetof(BinaryNode, link) == 24);
+static_assert(sizeof(PlacedFace) == 32 && offsetof(PlacedFace, left) == 16 && offsetof(PlacedFace, turn) == 24);
 static_assert(sizeof(TreeLattice) == 48);
 }  // namespace clsdf
 #endif

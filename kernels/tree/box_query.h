@@ -13,12 +13,12 @@
 #define CHILDREN_AT_ONCE CLSDF_TREE_WIDTH
 #endif
 
-// A point as boxes are compared with it: floats on both sides of each coordinate.
-INLINE PointBox box_of_point(double3 p) {
+// A point as boxes are compared with it: floats on both sides of each coordinate, by more than `margin` away.
+INLINE PointBox box_of_point(double3 p, float margin) {
     const double at[3] = {p.x, p.y, p.z};
     PointBox box;
     for (int axis = 0; axis < 3; ++axis) {
-        const float nearest = (float)at[axis], rounding = fabs(nearest) * 2.4e-7f;
+        const float nearest = (float)at[axis], rounding = fabs(nearest) * 2.4e-7f + margin;
         box.lower[axis] = nearest - rounding;
         box.upper[axis] = nearest + rounding;
     }

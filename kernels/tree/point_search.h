@@ -177,7 +177,7 @@ INLINE DEFINE_WIDE_WALK(search, NearestSearch, near_children, next_child, take_f
     own.mesh = mesh;
     own.faces = tree.faces;
     own.point = p;
-    own.box = box_of_point(p);
+    own.box = box_of_point(p, 0.0f);
     own.found = none_nearest(most);
     own.squares = squares;
     own.nearest = nearest;

@@ -45,8 +45,12 @@
         }                                                                                                       \
     }
 
-// Four numbers of an array of structs, in one load.
-#define FOUR_OF(at, number) (((__global const float4*)(at))[number])
+// Four words of a struct, in one load.
+#define FOUR_WORDS(at, number) (((__global const uint4*)(at))[number])
+
+// The lower and the upper planes of a node's word, in units.
+#define LOWER_OF(word) ((float)((word)&0xFFFFu) * CLSDF_BOX_CELL)
+#define UPPER_OF(word) ((float)((word) >> 16) * CLSDF_BOX_CELL)
 
 // Defines walk(), which goes down the binary tree (binary_tree.h) until a leaf ends it, and returns whether one did.
 // The nearer child comes first; the other one waits on the stack with its distance, rounded down. stack: memory of the
@@ -58,38 +62,38 @@
 //         Boxes with a greater measure are left out.
 //     bool visit_leaf(uint place, __private Query* query)
 //         Visits the faces of a leaf, whose first place this is. True ends the walk.
-#define DEFINE_BINARY_WALK(walk, Query, space, distance_to, bound_of, visit_leaf)                            \
-    bool walk(BinaryTree tree, __global const BinaryNode* nodes, space uint* stack, uint stride,             \
-              __private Query* query) {                                                                      \
-        uint link = tree.root, height = 0;                                                                   \
-        for (;;) {                                                                                           \
-            bool goes_on = false;                                                                            \
-            if (link & tree.leaf) {                                                                          \
-                if (visit_leaf(link & ~tree.leaf, query)) return true;                                       \
-            } else {                                                                                         \
-                COUNTED(boxes, 2);                                                                           \
-                __global const BinaryNode* node = nodes + link;                                              \
-                const float4 a = FOUR_OF(node, 0), b = FOUR_OF(node, 1), c = FOUR_OF(node, 2);               \
-                const uint first_link = node->link[0], second_link = node->link[1];                          \
-                const float first = distance_to(a.x, a.y, a.z, a.w, b.x, b.y, query),                        \
-                            second = distance_to(b.z, b.w, c.x, c.y, c.z, c.w, query);                       \
-                const bool is_first = first <= second;                                                       \
-                const float nearer = is_first ? first : second, farther = is_first ? second : first;         \
-                if (nearer <= bound_of(query)) {                                                             \
-                    goes_on = true;                                                                          \
-                    link = is_first ? first_link : second_link;                                              \
-                    if (farther <= bound_of(query))                                                          \
-                        stack[height++ * stride] =                                                           \
-                            (is_first ? second_link : first_link) | (as_uint(farther) << 1 & tree.distance); \
-                }                                                                                            \
-            }                                                                                                \
-            while (!goes_on) {                                                                               \
-                if (height == 0) return false;                                                               \
-                link = stack[--height * stride];                                                             \
-                goes_on = as_float((link & tree.distance) >> 1) <= bound_of(query);                          \
-            }                                                                                                \
-            link &= ~tree.distance;                                                                          \
-        }                                                                                                    \
+#define DEFINE_BINARY_WALK(walk, Query, space, distance_to, bound_of, visit_leaf)                                    \
+    bool walk(BinaryTree tree, __global const BinaryNode* nodes, space uint* stack, uint stride,                     \
+              __private Query* query) {                                                                              \
+        uint link = tree.root, height = 0;                                                                           \
+        for (;;) {                                                                                                   \
+            bool goes_on = false;                                                                                    \
+            if (link & tree.leaf) {                                                                                  \
+                if (visit_leaf(link & ~tree.leaf, query)) return true;                                               \
+            } else {                                                                                                 \
+                COUNTED(boxes, 2);                                                                                   \
+                __global const BinaryNode* node = nodes + link;                                                      \
+                const uint4 a = FOUR_WORDS(node, 0), b = FOUR_WORDS(node, 1);                                        \
+                const float first = distance_to(LOWER_OF(a.x), LOWER_OF(a.y), LOWER_OF(a.z), UPPER_OF(a.x),          \
+                                                UPPER_OF(a.y), UPPER_OF(a.z), query),                                \
+                            second = distance_to(LOWER_OF(a.w), LOWER_OF(b.x), LOWER_OF(b.y), UPPER_OF(a.w),         \
+                                                 UPPER_OF(b.x), UPPER_OF(b.y), query);                               \
+                const bool is_first = first <= second;                                                               \
+                const float nearer = is_first ? first : second, farther = is_first ? second : first;                 \
+                if (nearer <= bound_of(query)) {                                                                     \
+                    goes_on = true;                                                                                  \
+                    link = is_first ? b.z : b.w;                                                                     \
+                    if (farther <= bound_of(query))                                                                  \
+                        stack[height++ * stride] = (is_first ? b.w : b.z) | (as_uint(farther) << 1 & tree.distance); \
+                }                                                                                                    \
+            }                                                                                                        \
+            while (!goes_on) {                                                                                       \
+                if (height == 0) return false;                                                                       \
+                link = stack[--height * stride];                                                                     \
+                goes_on = as_float((link & tree.distance) >> 1) <= bound_of(query);                                  \
+            }                                                                                                        \
+            link &= ~tree.distance;                                                                                  \
+        }                                                                                                            \
     }
 
 #endif

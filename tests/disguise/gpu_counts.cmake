@@ -74,6 +74,18 @@ foreach(name IN LISTS names)
   endif()
 endforeach()
 
+# The work of a search among the faces of the sphere, with a tenth more.
+function(check_work points boxes faces kilobytes)
+  foreach(name boxes faces kilobytes)
+    of(value search ${points} binary_tree ${name}_per_point)
+    if(value GREATER ${name})
+      message(SEND_ERROR "a point takes ${value} ${name}, ${points}; at most ${${name}} are promised")
+    endif()
+  endforeach()
+endfunction()
+check_work(near 46.8 10.9 1.1)
+check_work(uniform 260 147 8.9)
+
 # Counts that must be there, and counts that can be no other number.
 foreach(name bytes_up bytes_down blocking_waits list_passes launches allocations calls)
   of(value first_call ${name})

@@ -100,10 +100,21 @@ FaceBox box_of(const Made& made, std::size_t begin, std::size_t end) {
         for (const Vec3& corner : made.points.corners(face_at(made, place)))
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const double x = made.points.in_units(corner)[axis];
-                box.lower[axis] = std::min(box.lower[axis], below(x - 1e-6));
-                box.upper[axis] = std::max(box.upper[axis], -below(-(x + 1e-6)));
+                box.lower[axis] = std::min(box.lower[axis], below(x));
+                box.upper[axis] = std::max(box.upper[axis], -below(-x));
             }
     return box;
+}
+
+/// The plane of the boxes' lattice, by trial.
+std::uint32_t plane_below(float x) {
+    auto plane = static_cast<std::uint32_t>(static_cast<double>(x) / 0.0079);
+    while (static_cast<double>(plane + 1) * 129 / 16384 <= static_cast<double>(x)) ++plane;
+    return plane;
+}
+std::uint32_t plane_above(float x) {
+    const std::uint32_t plane = plane_below(x);
+    return static_cast<double>(plane) * 129 / 16384 < static_cast<double>(x) ? plane + 1 : plane;
 }
 
 /// Goes down the tree beside a plain one.
@@ -120,7 +131,7 @@ public:
             wrong += link != (tree.leaf | begin);
             for (std::size_t place = begin; place < end; ++place) {
                 wrong += made_.order[place] >> CLSDF_PLACE_SHIFT != end - 1 - place;
-                wrong += made_.faces[place].origin >> CLSDF_PLACE_SHIFT != end - 1 - place;
+                wrong += std::signbit(made_.faces[place].right) != (place + 1 < end);
             }
             return;
         }
@@ -143,8 +154,8 @@ public:
         for (std::size_t child = 0; child < 2; ++child) {
             const FaceBox box = box_of(made_, ends[child], ends[child + 1]);
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                wrong += made_.nodes[link].box[child][axis] != box.lower[axis];
-                wrong += made_.nodes[link].box[child][3 + axis] != box.upper[axis];
+                wrong += made_.nodes[link].box[child][axis] !=
+                         (plane_below(box.lower[axis]) | plane_above(box.upper[axis]) << 16);
                 area += static_cast<double>(box.upper[axis] - box.lower[axis]) *
                         static_cast<double>(box.upper[(axis + 1) % 3] - box.lower[(axis + 1) % 3]);
             }
@@ -301,9 +312,10 @@ BOOST_AUTO_TEST_CASE(boxes_are_never_farther_than_their_faces) {
             const Vec3 corner = made.points.in_units(made.points.corners(face)[random.index(3)]);
             const Vec3 p = along(corner, std::pow(10, random.uniform(-9, i % 7 == 0 ? 13 : 3)), random.direction());
             const one_lane::double3 at{p[0], p[1], p[2]};
-            const float* const box = node.box[child];
-            const double squared = static_cast<double>(
-                one_lane::squared_to_box(box[0], box[1], box[2], box[3], box[4], box[5], one_lane::tree_point(at)));
+            const auto& [x, y, z] = node.box[child];
+            const double squared =
+                static_cast<double>(one_lane::squared_to_box(LOWER_OF(x), LOWER_OF(y), LOWER_OF(z), UPPER_OF(x),
+                                                             UPPER_OF(y), UPPER_OF(z), one_lane::tree_point(at)));
             wrong += !(squared <= one_lane::face_distance(&polyhedra[face], &faces[face], at.x, at.y, at.z).squared);
         }
         BOOST_TEST(wrong == 0U, "seed " << seed << ", " << mesh.name() << ": " << wrong);

@@ -17,6 +17,9 @@ using uint = std::uint32_t;
 using ulong = std::uint64_t;
 using std::fabs;
 using std::sqrt;
+inline float rsqrt(float x) {
+    return 1 / sqrt(x);
+}
 
 template <typename T>
 float as_float(T x) {
@@ -104,6 +107,7 @@ V<T> operator-(const V<T>& a) {
 }
 using uint2 = Vector2<uint>;
 using uint3 = Vector3<uint>;
+using uint4 = Vector4<uint>;
 using ulong2 = Vector2<ulong>;
 using ulong3 = Vector3<ulong>;
 using float2 = Vector2<float>;
