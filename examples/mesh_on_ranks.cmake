@@ -1,4 +1,4 @@
-# Runs PROGRAM, example_mesh_on_ranks, with 1, 2 and 4 ranks: the fields are equal, also those of parts, and each rank has its
+# Runs PROGRAM, example_mesh_on_ranks, with 1, 2 and 4 ranks: the fields are equal, also those of shared memory and of parts, and each rank has its
 # share of the device.
 # Then ranks fail, and mpirun ends with a message. RUN_RANKS: cmake/RunRanks.cmake.
 include(${RUN_RANKS})
@@ -17,6 +17,12 @@ foreach(ranks 1 2 4)
   list(LENGTH parts count)
   if(NOT count EQUAL ranks)
     message(FATAL_ERROR "${count} of ${ranks} ranks have a part")
+  endif()
+
+  string(REGEX MATCHALL "a prepared mesh of [1-9][0-9]* bytes" meshes "${output}")
+  list(LENGTH meshes count)
+  if(NOT count EQUAL ranks)
+    message(FATAL_ERROR "${count} of ${ranks} ranks share a prepared mesh")
   endif()
 
   string(REGEX MATCHALL "with [0-9]+ compute units of a [a-z]+" shares "${output}")

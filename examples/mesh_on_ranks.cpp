@@ -1,7 +1,8 @@
 // One mesh on all ranks of a parallel program (MPI): rank 0 reads it and sends it. Ranks that hold another mesh are
 // found out, each rank takes its share of the machine, one rank of a node compiles while the others wait, and an error
-// on one rank ends all of them with a message. Then the same field by parts that rank 0 prepares and sends, so that no
-// other rank needs the mesh. docs/parallel.md explains all of it.
+// on one rank ends all of them with a message. Then the same field by one prepared mesh that the ranks of a node share,
+// and by parts that rank 0 prepares and sends, so that no other rank needs the mesh. docs/parallel.md explains all of
+// it.
 //
 // mpirun -n 4 example_mesh_on_ranks [MESH [FAULT]]
 //
@@ -16,10 +17,12 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -139,6 +142,36 @@ std::vector<std::byte> part_of_rank(MPI_Comm comm, const clsdf::DistanceTransfor
     return bytes;
 }
 
+/// Memory that the ranks of this machine share: as many bytes as the first of them asks for, from a multiple of 64 on.
+class NodeMemory {
+public:
+    explicit NodeMemory(std::size_t bytes) {
+        constexpr std::size_t line = 64;
+        MPI_Comm node = MPI_COMM_NULL;
+        MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+        const auto own = static_cast<MPI_Aint>(ranks_of(node).rank == 0 ? bytes + line : 0);
+        void* begin = nullptr;
+        MPI_Win_allocate_shared(own, 1, MPI_INFO_NULL, node, &begin, &window_);
+        MPI_Comm_free(&node);
+        MPI_Aint size = 0;
+        int unit = 0;
+        MPI_Win_shared_query(window_, 0, &size, &unit, &begin);  // of the first rank
+        const std::size_t past = reinterpret_cast<std::uintptr_t>(begin) % line;
+        bytes_ = {static_cast<std::byte*>(begin) + (line - past) % line, static_cast<std::size_t>(size) - line};
+    }
+    ~NodeMemory() { MPI_Win_free(&window_); }
+    NodeMemory(const NodeMemory&) = delete;
+    NodeMemory& operator=(const NodeMemory&) = delete;
+
+    std::span<std::byte> bytes() const { return bytes_; }
+    /// On all ranks: what one has written before, the others read afterwards.
+    void fence() const { MPI_Win_fence(0, window_); }
+
+private:
+    MPI_Win window_ = MPI_WIN_NULL;
+    std::span<std::byte> bytes_;
+};
+
 /// For tests.
 void fail(const std::string& fault, clsdf::Mesh& mesh) {
     if (fault == "throw") throw clsdf::Error(clsdf::ErrorCode::out_of_memory, "a failure of one rank");
@@ -186,6 +219,25 @@ void run(const std::string& path, const std::string& fault) {
         if (node.rank == 0) transform->compile(part, band);
     });
     on_all(MPI_COMM_WORLD, [&] { transform->compute(part, band, distance); });
+
+    // One prepared mesh for all ranks of a node. Its first rank alone makes a transform of the mesh.
+    std::size_t prepared = 0;
+    on_all(MPI_COMM_WORLD, [&] {
+        if (node.rank == 0) prepared = transform->prepared_bytes();
+    });
+    const NodeMemory memory(prepared);
+    on_all(MPI_COMM_WORLD, [&] {
+        if (node.rank == 0) transform->share(memory.bytes());
+    });
+    memory.fence();
+    transform.reset();
+    on_all(MPI_COMM_WORLD, [&] { transform = clsdf::DistanceTransform::from_shared(*device, memory.bytes()); });
+    on_all(MPI_COMM_WORLD, [&] {
+        std::vector<float> again(part.sample_count());
+        transform->compute(part, band, again);
+        if (again != distance) throw std::runtime_error("the field of shared memory is not that of the mesh");
+    });
+    std::printf("rank %d: a prepared mesh of %zu bytes in memory of the node\n", world.rank, memory.bytes().size());
 
     // The same by a part of the mesh. A program whose ranks take parts makes a transform of the mesh on rank 0 alone.
     if (world.rank != 0) transform.reset();

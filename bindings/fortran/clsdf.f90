@@ -583,6 +583,9 @@ module clsdf
     procedure :: part_bytes => transform_part_bytes
     procedure :: part_vertices => transform_part_vertices
     procedure :: create_from_part => transform_create_from_part
+    procedure :: prepared_bytes => transform_prepared_bytes
+    procedure :: share => transform_share
+    procedure :: create_from_shared => transform_create_from_shared
     procedure, private :: set_positions_array, set_positions_r4, set_positions_r8
     generic :: set_positions => set_positions_array, set_positions_r4, set_positions_r8
     procedure :: set_motion => transform_set_motion
@@ -1699,6 +1702,29 @@ module clsdf
       type(c_ptr), value :: transform, bytes
       integer(c_int64_t), value :: room
       integer(c_int64_t), intent(out) :: count
+    end function
+    function c_transform_prepared_bytes(transform, bytes) &
+        bind(C, name="clsdf_transform_prepared_bytes") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      integer(c_int64_t), intent(out) :: bytes
+    end function
+    function c_transform_share(transform, memory, bytes) &
+        bind(C, name="clsdf_transform_share") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, memory
+      integer(c_int64_t), value :: bytes
+    end function
+    function c_transform_from_shared(device, memory, bytes, index_base, transform) &
+        bind(C, name="clsdf_transform_from_shared") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device, memory
+      integer(c_int64_t), value :: bytes
+      integer(c_int32_t), value :: index_base
+      type(c_ptr), intent(out) :: transform
     end function
     function c_transform_from_part(device, bytes, count, index_base, transform) &
         bind(C, name="clsdf_transform_from_part") result(value)
@@ -4718,6 +4744,40 @@ contains
     call self%release()
     call clsdf_finish(c_transform_from_part(device%handle, bytes, size(bytes, kind=c_int64_t), 1_c_int32_t, self%handle), &
         stat, errmsg)
+  end subroutine
+
+  !> The bytes of memory that share needs: about 640 for each triangle. Makes what is not made yet. A transform that is
+  !> restricted, has moved, or is of the outer surface is an error.
+  subroutine transform_prepared_bytes(self, bytes, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    integer(c_int64_t), intent(out) :: bytes
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_transform_prepared_bytes(self%handle, bytes), stat, errmsg)
+  end subroutine
+
+  !> Writes the prepared mesh into memory that processes of a node share, as a window of MPI, from a multiple of 64 bytes on.
+  !> Until the call returns, create_from_shared refuses the memory.
+  subroutine transform_share(self, memory, bytes, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(c_ptr), intent(in) :: memory
+    integer(c_int64_t), intent(in) :: bytes
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_transform_share(self%handle, memory, bytes), stat, errmsg)
+  end subroutine
+
+  !> A whole transform that reads the prepared mesh in place. The memory stays as it is until the transform and its plans
+  !> are released. Memory without a complete transform, damaged, or of another version of clsdf is an error.
+  subroutine transform_create_from_shared(self, device, memory, bytes, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    type(clsdf_device), intent(in) :: device
+    type(c_ptr), intent(in) :: memory
+    integer(c_int64_t), intent(in) :: bytes
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%release()
+    call clsdf_finish(c_transform_from_shared(device%handle, memory, bytes, 1_c_int32_t, self%handle), stat, errmsg)
   end subroutine
 
   !> New positions of all vertices, on the host or in a buffer. After an error the positions are those of before.

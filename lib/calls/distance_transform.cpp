@@ -111,6 +111,20 @@ DistanceTransform DistanceTransform::from_part(Device device, std::span<const st
         return DistanceTransform(State::of_part(std::move(device), bytes, options));
     });
 }
+std::size_t DistanceTransform::prepared_bytes() const {
+    return with_host_memory("to prepare the mesh", [&] { return state().prepared_bytes(); });
+}
+void DistanceTransform::share(std::span<std::byte> memory) const {
+    with_host_memory("to prepare the mesh", [&] { state().share(memory); });
+}
+DistanceTransform DistanceTransform::from_shared(Device device, std::span<const std::byte> memory,
+                                                 std::optional<std::size_t> kept_bytes) {
+    return with_host_memory("for the transform", [&] {
+        TransformOptions options;
+        options.kept_bytes = kept_bytes;
+        return DistanceTransform(State::of_shared(std::move(device), memory, options));
+    });
+}
 void DistanceTransform::set_positions(const InputArray& positions, const CallOptions& call) {
     with_host_memory("for the positions", [&] {
         State& state = this->state();

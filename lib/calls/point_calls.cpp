@@ -46,7 +46,8 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
             inputs.sign_faces = kept_points->sign_faces(sign);
         }
         const bool has_room = !on_host && !points_are_short_of_memory;
-        const bool are_many = has_room && points::is_scan_worthwhile(programs, count, kept_mesh->face_count());
+        const bool are_many = has_room && !kept_points->has_borrowed_leaves() &&
+                              points::is_scan_worthwhile(programs, count, kept_mesh->face_count());
         if (are_many)
             inputs.scanned = kept_points->scanned_mesh();
         else if (!is_by_group)

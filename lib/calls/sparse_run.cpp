@@ -96,10 +96,11 @@ private:
 };
 
 /// About how many bricks the band overlaps: those of a plane in an average direction, for the mesh's area.
-std::size_t expected_bricks(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign) {
+std::size_t expected_bricks(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const Grid& grid,
+                            const Band& band, SignRule sign) {
     double area = 0;
-    for (const auto& [a, b, c] : mesh.triangles()) {
-        const Vec3 &p = mesh.vertices()[a], &q = mesh.vertices()[b], &r = mesh.vertices()[c];
+    for (const auto& [a, b, c] : triangles) {
+        const Vec3 &p = vertices[a], &q = vertices[b], &r = vertices[c];
         std::array<double, 3> u{}, v{};
         for (std::size_t axis = 0; axis < 3; ++axis) u[axis] = q[axis] - p[axis], v[axis] = r[axis] - p[axis];
         area += 0.5 * std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
@@ -371,7 +372,7 @@ CallStatistics DistanceTransform::State::compute_sparse(const engine::Job& job, 
     const std::size_t expected = [&] {
         const std::scoped_lock lock(mutex);
         context().begin_call();
-        return expected_bricks(kept_mesh->mesh(), job.grid, job.band, sign);
+        return expected_bricks(kept_mesh->present().positions, kept_mesh->triangles(), job.grid, job.band, sign);
     }();
     calls::FieldTarget target(batch.arrays, field, expected);
     return SparseRun(*this, batch, target, call).run();

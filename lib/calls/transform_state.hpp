@@ -50,6 +50,11 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     std::vector<std::byte> part_bytes();
     static std::unique_ptr<State> of_part(Device device, std::span<const std::byte> bytes,
                                           const TransformOptions& options);
+    // shared_transforms.cpp
+    std::size_t prepared_bytes();
+    void share(std::span<std::byte> memory);
+    static std::unique_ptr<State> of_shared(Device device, std::span<const std::byte> memory,
+                                            const TransformOptions& options);
 
     /// Several meshes with the rule and the options of this one: see select_meshes().
     std::unique_ptr<State> joined(engine::JoinedMeshes meshes, bool are_inside_out) const;

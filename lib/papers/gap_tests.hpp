@@ -56,7 +56,7 @@ private:
     std::vector<Triangle> triangles_;
     std::vector<engine::TriangleFrame> frames_;
     OneRings rings_;
-    UninitializedVector<engine::FaceEdges> edges_;
+    KeptArray<engine::FaceEdges> edges_;
 };
 
 /// Points beyond the bisector planes of all faces of a fan, in the same rotational sense, are in none of its polyhedra

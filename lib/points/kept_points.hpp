@@ -44,6 +44,13 @@ public:
     KeptPoints(const KeptPoints&) = delete;
     KeptPoints& operator=(const KeptPoints&) = delete;
 
+    /// Values of the present positions, in borrowed memory, in the place of those that are made. sides: may be empty.
+    void set_borrowed(engine::PointMesh mesh, engine::WideLeaves leaves, FaceSides sides);
+    /// Whether the leaves are borrowed: then other tables for many points would only take memory.
+    bool has_borrowed_leaves() const {
+        return wide_leaves_ && wide_leaves_->host_bytes() == 0 && wide_leaves_->device_bytes() == 0;
+    }
+
     /// The faces that points are looked up among, as kernels read them: those of mesh() if the host makes them. Throws
     /// Error(invalid_argument, unsupported, out_of_memory or device_failure).
     std::shared_ptr<const engine::PointFaces> faces();

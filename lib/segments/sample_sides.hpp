@@ -55,7 +55,7 @@ private:
     std::size_t words_;
     UninitializedVector<std::uint64_t> bits_;
     UninitializedVector<Change> changes_;  // by row, then by sample
-    std::vector<std::uint32_t> row_begins_;
+    UninitializedVector<std::uint32_t> row_begins_;
 };
 
 }  // namespace clsdf::segments

@@ -437,8 +437,10 @@ BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
                                       "--band", "full", "--with", "body", "--quiet"});
     BOOST_TEST(made.status == 0, made.error);
     BOOST_TEST(std::ranges::min(read_field(field).distance()) < -0.8F);
-    check_refused(run_command({"check", together, field, "--surface", "outer"}), 2,
-                  {"--surface", "scene.json", "clsdf outer"});
+    BOOST_TEST(run_command({"check", together, field, "--surface", "outer", "--complete", "--quiet"}).status == 0);
+    const Outcome of_given = run_command({"check", together, field, "--complete"});
+    BOOST_TEST(of_given.status == 1);
+    BOOST_TEST(of_given.error.find("check it with --surface outer") != std::string::npos, of_given.error);
     check_refused(run_command({"compute", together, "--dry-run", "--surface", "outer", "--with", "site"}), 2,
                   {"site", "--surface outer"});
     const std::string merged = inputs.folder.file("merged.off"), cells = inputs.folder.file("cells.npz");

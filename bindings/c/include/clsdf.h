@@ -1032,6 +1032,22 @@ CLSDF_API clsdf_status clsdf_transform_part_bytes(const clsdf_transform* transfo
 CLSDF_API clsdf_status clsdf_transform_from_part(const clsdf_device* device, const uint8_t* bytes, int64_t count,
                                                  int32_t index_base, clsdf_transform** transform);
 
+/* One copy of a prepared mesh for the processes of a node, in memory of the caller's that they share: POSIX shared
+ * memory, a window of MPI, a mapped file. It begins at a multiple of 64 bytes.
+ *
+ * The size of that memory in bytes, about 640 for each triangle. Makes what is not made yet. A transform that is
+ * restricted, has moved, or is of the outer surface is CLSDF_UNSUPPORTED. */
+CLSDF_API clsdf_status clsdf_transform_prepared_bytes(const clsdf_transform* transform, int64_t* bytes);
+/* Writes the prepared mesh into memory of so many bytes, its head last: until the call returns,
+ * clsdf_transform_from_shared() refuses the memory. */
+CLSDF_API clsdf_status clsdf_transform_share(const clsdf_transform* transform, void* memory, int64_t bytes);
+/* A whole transform that reads the prepared mesh in place. The memory stays as it is, and may be read-only, until the
+ * transform and its plans are destroyed. Memory without a complete transform, damaged, or of another version of clsdf
+ * is CLSDF_INVALID_ARGUMENT: all of it is read once, and a hash tells damage, not forgery. A device with memory of its
+ * own gets copies. */
+CLSDF_API clsdf_status clsdf_transform_from_shared(const clsdf_device* device, const void* memory, int64_t bytes,
+                                                   int32_t index_base, clsdf_transform** transform);
+
 /* New positions of all vertices, on the host or in a buffer; of a part with a margin, of those that it has. After an
  * error the positions are those of before. */
 CLSDF_API clsdf_status clsdf_transform_set_positions(clsdf_transform* transform, const clsdf_array* positions,

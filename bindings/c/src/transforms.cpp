@@ -126,6 +126,33 @@ clsdf_status clsdf_transform_from_part(const clsdf_device* device, const std::ui
     });
 }
 
+clsdf_status clsdf_transform_prepared_bytes(const clsdf_transform* transform, std::int64_t* bytes) {
+    return guarded([&] {
+        std::int64_t& size = given(bytes, "bytes");
+        size = 0;
+        size = static_cast<std::int64_t>(of(transform).transform.prepared_bytes());
+    });
+}
+
+clsdf_status clsdf_transform_share(const clsdf_transform* transform, void* memory, std::int64_t bytes) {
+    return guarded([&] {
+        auto* const first = static_cast<std::byte*>(memory);
+        c::elements(first, bytes, "memory");
+        of(transform).transform.share({first, static_cast<std::size_t>(bytes)});
+    });
+}
+
+clsdf_status clsdf_transform_from_shared(const clsdf_device* device, const void* memory, std::int64_t bytes,
+                                         std::int32_t index_base, clsdf_transform** transform) {
+    return made(transform, "transform", [&] {
+        const auto* const first = static_cast<const std::byte*>(memory);
+        c::elements(first, bytes, "memory");
+        return new clsdf_transform(
+            DistanceTransform::from_shared(of(device).device, {first, static_cast<std::size_t>(bytes)}),
+            c::checked_index_base(index_base));
+    });
+}
+
 clsdf_status clsdf_transform_set_positions(clsdf_transform* transform, const clsdf_array* positions,
                                            const clsdf_call_options* call) {
     return guarded([&] {

@@ -573,6 +573,9 @@ contains
   subroutine other_calls()
     type(clsdf_transform) :: part, same, of_bytes
     integer(c_int8_t), allocatable :: bytes(:)
+    integer(c_int8_t), allocatable, target :: shared(:)
+    integer(c_int64_t) :: size_of_shared
+    integer :: first
     type(clsdf_box) :: box
     type(clsdf_kept_memory) :: memory
     type(clsdf_topology) :: topology
@@ -620,6 +623,21 @@ contains
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'were changed')
     call transform%part_bytes(bytes, stat, errmsg)
     call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'restrict it first')
+    call part%prepared_bytes(size_of_shared, stat, errmsg)
+    call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'is restricted')
+    call transform%prepared_bytes(size_of_shared)
+    allocate(shared(size_of_shared + 64))
+    first = 65 - int(modulo(transfer(c_loc(shared), 0_c_intptr_t), 64_c_intptr_t))
+    call transform%share(c_loc(shared(first)), size_of_shared)
+    call of_bytes%create_from_shared(device, c_loc(shared(first)), size_of_shared)
+    phi(:3, :3, :3) = 0
+    call of_bytes%compute(grid%part(middle, [3, 3, 3]), band, phi(:3, :3, :3))
+    call check(all(phi(:3, :3, :3) == expected(middle(1):middle(1) + 2, middle(2):middle(2) + 2, &
+        middle(3):middle(3) + 2)), 'a shared transform')
+    call of_bytes%release()
+    shared(first + 2000) = not(shared(first + 2000))
+    call of_bytes%create_from_shared(device, c_loc(shared(first)), size_of_shared, stat, errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'was changed')
 
     ! A part whose vertices move by up to 0.1.
     call transform%restrict([clsdf_region(box, 0.3d0, grid%voxel())], part, margin=0.1d0)

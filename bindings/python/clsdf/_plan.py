@@ -21,6 +21,7 @@ class Plan:
 
     def __init__(self, plan: _core.PlanOfBoxes) -> None:
         self._plan = plan
+        self._memory: Any = None  # see Transform.from_shared()
 
     def __repr__(self) -> str:
         return f"<clsdf.Plan: {self.device_bytes} bytes of the device, sign {self.sign}>"
@@ -70,6 +71,7 @@ class Plan:
                 self._plan.update_requests(transform._body, transform._requests(requests), show)
             else:
                 self._plan.update(transform._body, None if grids is None else list(grids), show)
+            self._memory = transform._memory
 
 
 class SparsePlan:
@@ -78,6 +80,7 @@ class SparsePlan:
 
     def __init__(self, plan: _core.PlanOfBricks) -> None:
         self._plan = plan
+        self._memory: Any = None  # see Transform.from_shared()
 
     def __repr__(self) -> str:
         bricks, runs = self.room
@@ -133,6 +136,7 @@ class SparsePlan:
         with shown(progress) as show:
             if grid is None and band is None and room is None:
                 self._plan.update(transform._body, show)
+                self._memory = transform._memory
                 return
             own_grid, own_band = transform._grid_and_band(
                 self.grid if grid is None else grid, self.band if band is None else band
@@ -141,6 +145,7 @@ class SparsePlan:
             self._plan.update_field(
                 transform._body, own_grid, own_band, self._plan.outputs, (bricks, runs), show
             )
+            self._memory = transform._memory
 
 
 class PointPlan:
@@ -149,6 +154,7 @@ class PointPlan:
 
     def __init__(self, plan: _core.PlanOfPoints) -> None:
         self._plan = plan
+        self._memory: Any = None  # see Transform.from_shared()
 
     def __repr__(self) -> str:
         return f"<clsdf.PointPlan: {self.count} points, {self.device_bytes} bytes of the device, sign {self.sign}>"
@@ -191,6 +197,7 @@ class PointPlan:
         """Prepares the next runs for the present positions of the transform. Blocks."""
         with shown(progress) as show:
             self._plan.update(transform._body, show)
+            self._memory = transform._memory
 
 
 class LinkPlan:
@@ -199,6 +206,7 @@ class LinkPlan:
 
     def __init__(self, plan: _core.PlanOfLinks) -> None:
         self._plan = plan
+        self._memory: Any = None  # see Transform.from_shared()
 
     def __repr__(self) -> str:
         return f"<clsdf.LinkPlan: room for {self.room} links, {self.device_bytes} bytes of the device, sign {self.sign}>"
@@ -244,6 +252,7 @@ class LinkPlan:
         with shown(progress) as show:
             own_grid = self.grid if grid is None else grid
             self._plan.update(transform._body, own_grid, self.room if room is None else room, show)
+            self._memory = transform._memory
 
 
 class PointStatus(enum.IntEnum):

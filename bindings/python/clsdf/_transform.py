@@ -9,7 +9,7 @@ import os
 import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -70,6 +70,8 @@ class BoxPlace(enum.IntEnum):
     OUTSIDE = 2  #: the same, and all of them are outside
     BEYOND = 3  #: the same, of a mesh that has no sign
 
+
+AnyPlan = TypeVar("AnyPlan", Plan, SparsePlan, PointPlan, LinkPlan)
 
 #: Points that the calling thread looks up by itself, without a program of the device.
 _few = 96
@@ -154,6 +156,7 @@ class Transform(WithFields):
         self._positions: Any = None
         self._motion: Any = None
         self._regions: Any = None
+        self._memory: Any = None  # of from_shared(): what the transform and its plans read
         self._moves = threading.RLock()  # a handler of signals that moves the body gets the extension's error
 
     # Copies.
@@ -165,6 +168,12 @@ class Transform(WithFields):
     def __reduce__(self) -> tuple[Any, ...]:
         """The mesh's arrays, the present positions, the options, and the device by its name and limits, on which
         unpickling makes the transform again. Of a part its bytes."""
+        if self._memory is not None:
+            raise Error(
+                "a transform of shared memory is neither copied nor pickled; call clsdf.Transform.from_shared() with the "
+                "memory again, in another process with memory of the same name",
+                "unsupported",
+            )
         if self._made_of[0] is None:
             return _part_again, (self.part_bytes(), self.device, self._made_of[3], self._regions)
         return _made_again, (self.device, *self._state())
@@ -292,7 +301,10 @@ class Transform(WithFields):
 
     def _check_mesh(self) -> None:
         if self._made_of[0] is None:
-            raise Error("a part, made by restrict_to() or from_part(), has no mesh; ask the whole transform", "unsupported")
+            what = "a part, made by restrict_to() or from_part(),"
+            if self._memory is not None:
+                what = "a transform of shared memory, made by from_shared(),"
+            raise Error(f"{what} has no mesh; ask the whole transform", "unsupported")
 
     def sample(self, n: int, within: float = 0.0, seed: int | None = None) -> npt.NDArray[np.float64]:
         """Points (n, 3), float64, on the surface, as dense on large faces as on small ones; with `within` each is moved
@@ -738,7 +750,7 @@ class Transform(WithFields):
         grid, own = grid_of(grid), directions_of(directions)
         with shown(progress) as show:
             plan = _core.plan_of_links(self._body, grid, own, room, is_of_faces(hits), with_between, show)
-            return LinkPlan(plan)
+            return self._reading(LinkPlan(plan))
 
     def count_links(
         self, grid: Grid, directions: DirectionsLike = "D3Q19", *, hits: str = "walls", with_between: bool = False
@@ -887,7 +899,53 @@ class Transform(WithFields):
         made._keep((None, None, made._body.sign, kept_bytes, made._body.floor, "given"))
         return made
 
+    # Shared memory.
+
+    @property
+    def prepared_bytes(self) -> int:
+        """The bytes of memory that share() needs: about 640 for each face. Makes what is not made yet. Raises clsdf.Error
+        (unsupported) for a transform that is restricted, has moved, or has surface='outer'."""
+        return self._body.prepared_bytes()
+
+    def share(self, memory: Any) -> None:
+        """Writes all that the transform keeps of its mesh into memory that processes of a node share: a writable buffer
+        of at least prepared_bytes, as `shm.buf` of multiprocessing.shared_memory, an mmap, an array, from a multiple of
+        64 bytes on. from_shared() reads it there, so the mesh is in memory once, however many processes use it.
+
+            shm = SharedMemory(create=True, size=body.prepared_bytes)
+            body.share(shm.buf)
+
+        Raises clsdf.Error: as prepared_bytes, and invalid_argument if the memory is too small or read-only."""
+        bytes_of = _bytes_of(memory)
+        if not bytes_of.flags.writeable:
+            raise Error("memory: the buffer is read-only, and a transform is written into it; open it for writing")
+        self._body.share(bytes_of)
+
+    @classmethod
+    def from_shared(cls, memory: Any, device: DeviceLike = None, kept_bytes: int | None = None) -> Transform:
+        """The transform that share() wrote into this memory, which it reads in place: the same results. The memory must
+        stay as it is while the transform or a plan of it is there; it keeps the buffer open. Checks all of it once. It
+        has no vertices and faces, and is neither copied nor pickled. A GPU gets copies.
+
+            shm = SharedMemory(name)                                   # in each process; keep shm
+            body = clsdf.Transform.from_shared(shm.buf)
+
+        Raises clsdf.Error: invalid_argument if the memory has no transform that is complete, undamaged and of this
+        version of clsdf."""
+        bytes_of = _bytes_of(memory)
+        made = cls.__new__(cls)
+        made._body = _core.of_shared(device_of(device), bytes_of, _meshes.kept_bytes_of(kept_bytes))
+        made.mesh_name = made._body.mesh_name
+        made._keep((None, None, made._body.sign, kept_bytes, made._body.floor, "given"))
+        made._memory = bytes_of
+        return made
+
     # Plans.
+
+    def _reading(self, plan: AnyPlan) -> AnyPlan:
+        """The plan, which reads the memory that the transform reads."""
+        plan._memory = self._memory
+        return plan
 
     def plan(
         self,
@@ -906,8 +964,8 @@ class Transform(WithFields):
         with self._turn(progress, "plan", wanted(outputs)) as show:
             if isinstance(what, Grid):
                 grid, own_band = self._grid_and_band(what, band, exact_signs=exact_signs)
-                return Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show))
-            return Plan(_core.plan_of_requests(self._body, self._requests(what), show))
+                return self._reading(Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show)))
+            return self._reading(Plan(_core.plan_of_requests(self._body, self._requests(what), show)))
 
     def sparse_plan(
         self,
@@ -926,9 +984,8 @@ class Transform(WithFields):
         with self._turn(progress, "sparse plan", wanted(outputs)) as show:
             own_grid, own_band = self._grid_and_band(grid, band, exact_signs=exact_signs)
             bricks, runs = room
-            return SparsePlan(
-                _core.sparse_plan(self._body, own_grid, own_band, wanted(outputs), (bricks, runs), show)
-            )
+            plan = _core.sparse_plan(self._body, own_grid, own_band, wanted(outputs), (bricks, runs), show)
+            return self._reading(SparsePlan(plan))
 
     def plan_points(
         self, count: int, outputs: Outputs = "distance", *, within: float | None = math.inf, progress: Progress = None
@@ -941,12 +998,24 @@ class Transform(WithFields):
         or greater than 2^300; unsupported for a restricted transform.
         """
         with self._turn(progress, "point plan", wanted(outputs)) as show:
-            return PointPlan(_core.plan_of_points(self._body, count, limit_of(within), wanted(outputs), show))
+            points = _core.plan_of_points(self._body, count, limit_of(within), wanted(outputs), show)
+            return self._reading(PointPlan(points))
 
     def plan_bytes(self, requests: Iterable[Request], *, progress: Progress = None) -> int:
         """The device_bytes of a plan of these requests, which is made and given back: takes its time and its memory."""
         with shown(progress) as show:
             return self._body.plan_bytes(self._requests(requests), show)
+
+
+def _bytes_of(memory: Any) -> npt.NDArray[np.uint8]:
+    """The bytes of a buffer, which stays open as long as the array is there."""
+    try:
+        return np.frombuffer(memory, np.uint8)
+    except (TypeError, ValueError, BufferError) as error:
+        raise Error(
+            f"memory: {repr(memory)[:100]} is no buffer in one piece ({error}); pass the buf of a SharedMemory, an mmap or "
+            "an array of bytes"
+        ) from None
 
 
 def _part_again(part: bytes, device: Device, kept_bytes: int | None, regions: Any) -> Transform:

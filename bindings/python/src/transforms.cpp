@@ -178,6 +178,26 @@ Body of_part(const PyDevice& device, const nb::bytes& part, std::optional<std::s
     return Body(device, DistanceTransform::from_part(device.get(), bytes, kept_bytes));
 }
 
+std::size_t prepared_bytes(const Body& body) {
+    return body.read([](const DistanceTransform& transform) { return transform.prepared_bytes(); });
+}
+
+using SharedBytes = nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using ReadBytes = nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+void share(const Body& body, const SharedBytes& memory) {
+    const std::span bytes(reinterpret_cast<std::byte*>(memory.data()), memory.shape(0));
+    body.read([&](const DistanceTransform& transform) { transform.share(bytes); });
+}
+
+// The memory must outlive the body and its plans.
+Body of_shared(const PyDevice& device, const ReadBytes& memory, std::optional<std::size_t> kept_bytes) {
+    check_process();
+    const std::span bytes(reinterpret_cast<const std::byte*>(memory.data()), memory.shape(0));
+    const nb::gil_scoped_release no_gil;
+    return Body(device, DistanceTransform::from_shared(device.get(), bytes, kept_bytes));
+}
+
 void set_positions(Body& body, nb::handle positions, nb::handle wait_for) {
     Arrays arrays(&body.device());
     InputArray vertices = arrays.triples(positions, "positions");
@@ -281,6 +301,8 @@ void add_transforms(nb::module_& module) {
         .def("restrict_to", &restrict_to, nb::arg("regions"), nb::arg("margin"))
         .def("part_vertices", &part_vertices)
         .def("part_bytes", &part_bytes)
+        .def("prepared_bytes", &prepared_bytes)
+        .def("share", &share, nb::arg("memory"))
         .def("set_positions", &set_positions, nb::arg("positions"), nb::arg("wait_for").none())
         .def("set_motion", &set_motion, nb::arg("rotation"), nb::arg("translation"))
         .def("compile", &compile, nb::arg("grid"), nb::arg("band"), nb::arg("outputs"), nb::arg("progress").none())
@@ -322,6 +344,7 @@ void add_transforms(nb::module_& module) {
                nb::arg("kept_bytes").none(), nb::arg("floor").none() = nb::none(), nb::arg("is_outer") = false,
                nb::arg("is_silent") = false);
     module.def("of_part", &of_part, nb::arg("device"), nb::arg("part"), nb::arg("kept_bytes").none());
+    module.def("of_shared", &of_shared, nb::arg("device"), nb::arg("memory"), nb::arg("kept_bytes").none());
     module.def("rotation_near", &rotation_near, nb::arg("matrix"), "The rotation that was rounded to floats.");
     module.def("moved", &moved, nb::arg("first"), nb::arg("rotation"), nb::arg("translation"),
                "The positions rotation @ x + translation, as a transform has them.");

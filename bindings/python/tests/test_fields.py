@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import copy
+import mmap
 import pickle
+import subprocess
+import sys
 import warnings
+from multiprocessing import shared_memory
 
 import numpy as np
 import pytest
@@ -598,6 +602,51 @@ def test_a_part_travels_as_bytes(body, points):
         clsdf.Transform.from_part(np.zeros(3))
     with pytest.raises(clsdf.Error, match="has no mesh"):
         read.vertices
+
+
+def test_processes_share_a_transform(body, points, tmp_path):
+    memory = shared_memory.SharedMemory(create=True, size=body.prepared_bytes)
+    try:
+        body.share(memory.buf)
+        expected = body.query(points, outputs="gradient triangle")
+        read = clsdf.Transform.from_shared(memory.buf.toreadonly(), body.device)
+        found = read.query(points, outputs="gradient triangle")
+        for output in ("distance", "gradient", "triangle"):
+            assert np.array_equal(getattr(found, output), getattr(expected, output))
+        assert np.array_equal(read.box, body.box) and read.sign == body.sign and read.topology.closed
+        assert read.memory[0] < 0.1 * body.memory[0]
+        with pytest.raises(BufferError):  # which the transform keeps open
+            memory.close()
+        program = (
+            "import sys, numpy as np, clsdf\n"
+            "from multiprocessing import resource_tracker, shared_memory\n"
+            "memory = shared_memory.SharedMemory(sys.argv[1])\n"
+            "resource_tracker.unregister(memory._name, 'shared_memory')  # which the other process removes\n"
+            "body = clsdf.Transform.from_shared(memory.buf)\n"
+            "np.save(sys.argv[3], body.query(np.load(sys.argv[2])).distance)\n"
+        )
+        np.save(tmp_path / "points.npy", points)
+        subprocess.run(
+            [sys.executable, "-c", program, memory.name, tmp_path / "points.npy", tmp_path / "found.npy"], check=True
+        )
+        assert np.array_equal(np.load(tmp_path / "found.npy"), expected.distance)
+        with pytest.raises(clsdf.Error, match="neither copied nor pickled") as error:
+            pickle.dumps(read)
+        assert error.value.code == "unsupported"
+        with pytest.raises(clsdf.Error, match="made by from_shared.* has no mesh"):
+            read.vertices
+        del read, found
+    finally:
+        memory.close()
+        memory.unlink()
+    with pytest.raises(clsdf.Error, match="nothing has been written"):
+        clsdf.Transform.from_shared(mmap.mmap(-1, 1 << 12))
+    with pytest.raises(clsdf.Error, match="no buffer in one piece"):
+        clsdf.Transform.from_shared(3)
+    with pytest.raises(clsdf.Error, match="the buffer is read-only"):
+        body.share(bytes(body.prepared_bytes))
+    with pytest.raises(clsdf.Error, match="as prepared_bytes"):
+        body.share(mmap.mmap(-1, 1 << 12))
 
 
 def test_what_a_transform_says_of_itself(body, solid):

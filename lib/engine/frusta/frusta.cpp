@@ -164,7 +164,7 @@ std::size_t FoundFrusta::host_bytes() const {
 }
 
 std::size_t Frusta::host_bytes() const {
-    return positions.size() * sizeof(Vec3) + slopes.size() * sizeof(FaceSlopes) + FoundFrusta::host_bytes();
+    return positions.host_bytes() + slopes.host_bytes() + FoundFrusta::host_bytes();
 }
 
 UninitializedVector<Vec3> ordered_positions(const MeshTopology& topology, std::span<const Vec3> positions) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/kept_array.hpp"
 #include "frusta/frames.hpp"
 #include "frusta/slopes.hpp"
 #include "topology/topology.hpp"
@@ -34,8 +35,8 @@ struct FoundFrusta {
 /// a triangle at the distance dist(y, mesh), if tests widen them by a slack of 1e-3 + 2e-5 d units or more, d the
 /// distance in units, which must exceed the tests' rounding, too.
 struct Frusta : FoundFrusta {
-    UninitializedVector<Vec3> positions;     ///< of the vertices, numbered as in MeshTopology::faces
-    UninitializedVector<FaceSlopes> slopes;  ///< of each face
+    KeptArray<Vec3> positions;     ///< of the vertices, numbered as in MeshTopology::faces
+    KeptArray<FaceSlopes> slopes;  ///< of each face
 
     std::size_t host_bytes() const;
 };

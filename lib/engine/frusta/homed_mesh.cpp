@@ -25,7 +25,7 @@ std::shared_ptr<const Value> share(Value&& value) {
 Mesh read_positions(const DeviceSetUp& set_up, const Lease& positions, const MeshTopology& topology, const Mesh& first,
                     const Box& box) {
     set_up.tools.context.begin_call();
-    const UninitializedVector<std::uint32_t>& used = topology.faces.vertices;
+    const KeptArray<std::uint32_t>& used = topology.faces.vertices;
     UninitializedVector<Vec3> ordered(used.size());
     set_up.tools.context.run_or_drain([&] { device::read_values(set_up.tools.context, *positions, ordered); });
     std::vector<Vec3> result = first.vertices();
@@ -117,8 +117,34 @@ HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::
     frusta_.set(share(std::move(frusta)), nullptr);
 }
 
+HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, BorrowedMesh mesh)
+    : HomedMesh(all, tools, mesh.name, mesh.box, mesh.vertices.count(), mesh.triangles.size()) {
+    has_equal_ = mesh.vertices.are_merged();
+    set_up_.ways.topology_by_kernels = false;
+    topology_.set(mesh.topology, nullptr);
+    if (set_up_.ways.arrays_are_shared) {
+        const MeshTopology& topology = *mesh.topology;
+        names_.set(share(NamedFaces{face_count_, topology.faces.vertices.size(), mesh.topology,
+                                    set_up_.shared(mesh.topology, topology.faces.triangles),
+                                    set_up_.shared(mesh.topology, mesh.names)}));
+    }
+    frusta_.set(share(std::move(mesh.frusta)), nullptr);
+    borrowed_ = share(std::move(mesh));
+}
+
+PlacedVertices HomedMesh::present() {
+    if (borrowed_ && !has_moved_) return {borrowed_->positions, box_, name_};
+    return on_host();
+}
+
 const HomedMesh::FirstMesh& HomedMesh::first() {
     if (first_) return *first_;
+    if (borrowed_) {
+        MeshArrays arrays{{borrowed_->positions.begin(), borrowed_->positions.end()},
+                          {borrowed_->triangles.begin(), borrowed_->triangles.end()}};
+        first_.set(share(FirstMesh{share(mesh_of(std::move(arrays), first_box_, name_)), borrowed_->vertices}));
+        return *first_;
+    }
     first_.set(share([&] {
         const std::shared_ptr<const Mesh>& given = given_.on_host();
         if (!has_equal_) return FirstMesh{given, Vertices(vertex_count_)};

@@ -26,6 +26,18 @@
 
 namespace clsdf::engine {
 
+/// A prepared mesh whose large arrays are borrowed (KeptArray).
+struct BorrowedMesh {
+    std::string name;
+    Box box;
+    Vertices vertices;          ///< the caller's, as the arrays have them
+    KeptArray<Vec3> positions;  ///< with one of each vertex
+    KeptArray<Triangle> triangles;
+    std::shared_ptr<const MeshTopology> topology;
+    Frusta frusta;
+    KeptArray<std::uint32_t> names;  ///< as NamedFaces has them
+};
+
 /// The mesh of a transform, and the values that follow from it alone, each on the host, on the device or on both.
 ///
 ///     given      the caller's arrays            until the host has a mesh of its own
@@ -49,6 +61,8 @@ public:
     /// A part of a mesh. Its frusta are on the host.
     HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, std::shared_ptr<const MeshTopology> topology,
               Frusta frusta);
+    /// Until the vertices move, it reads the borrowed arrays; only those who ask for the mesh itself get copies.
+    HomedMesh(KeptValues& all, const DeviceTools& tools, BorrowedMesh mesh);
     HomedMesh(const HomedMesh&) = delete;
     HomedMesh& operator=(const HomedMesh&) = delete;
 
@@ -60,8 +74,15 @@ public:
 
     /// At its present positions, with one of each vertex.
     const Mesh& on_host() { return *positions_.on_host(); }
+    /// Of on_host(), without making it of borrowed arrays.
+    PlacedVertices present();
+    std::span<const Triangle> triangles() {
+        return borrowed_ ? std::span<const Triangle>(borrowed_->triangles) : on_host().triangles();
+    }
+    /// Whether the vertices have moved.
+    bool has_moved() const { return has_moved_; }
     /// The caller's vertices as on_host() has them.
-    const Vertices& vertices() { return first().vertices; }
+    const Vertices& vertices() { return borrowed_ ? borrowed_->vertices : first().vertices; }
     const std::vector<Vec3>& first_positions() { return first().mesh->vertices(); }
 
     const MeshTopology& topology() { return *topology_.on_host(); }
@@ -149,6 +170,7 @@ private:
     std::size_t face_count_;
     bool has_equal_ = false;  // vertices that count as one
     bool has_moved_ = false;
+    std::shared_ptr<const BorrowedMesh> borrowed_;  // null if all is its own
     Homed<Mesh, DeviceMesh> given_;
     Kept<FirstMesh> first_;
     Kept<NamedFaces> names_;

@@ -56,7 +56,7 @@ public:
     void run(KernelTopology& result) {
         for_each_index(kinds_.size(), [&](std::size_t vertex) { kinds_[vertex] = kind_of(vertex); });
         UninitializedVector<std::uint32_t> sorted(kinds_.size());
-        const std::vector<std::uint32_t> first = bucket_sort(
+        const UninitializedVector<std::uint32_t> first = bucket_sort(
             kinds_.size(), first_border_kind + CLSDF_FAN_FACES + 1, [&](std::size_t vertex) { return kinds_[vertex]; },
             [&](std::size_t vertex, std::size_t place) { sorted[place] = static_cast<std::uint32_t>(vertex); });
         result.irregular_vertices.assign(sorted.begin() + first[irregular], sorted.begin() + first[irregular + 1]);

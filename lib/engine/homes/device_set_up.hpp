@@ -49,7 +49,7 @@ struct DeviceSetUp {
         if (values.empty()) return {};
         const std::shared_ptr<const void> memory(owner, values.data());
         const std::size_t bytes = values.size() * sizeof(values[0]);
-        return {nullptr, device::guarded([&] { return device::buffer_in(tools.context, memory, bytes, access); }), 0};
+        return {device::guarded([&] { return device::buffer_in(tools.context, memory, bytes, access); }), memory.get()};
     }
     /// Copies values to the device, and does not wait.
     template <class Values>

@@ -40,7 +40,7 @@ std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices) 
     constexpr std::size_t group_size = 8192;
     const auto bits = static_cast<unsigned>(std::bit_width(vertices.size() / group_size));
     std::vector<std::uint32_t> grouped(vertices.size());
-    const std::vector<std::uint32_t> start = bucket_sort(
+    const UninitializedVector<std::uint32_t> start = bucket_sort(
         vertices.size(), std::size_t{1} << bits,
         [&](std::size_t v) { return bits == 0 ? 0 : hashes[v] >> (64 - bits); },
         [&](std::size_t v, std::size_t place) { grouped[place] = static_cast<std::uint32_t>(v); });

@@ -2,7 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "core/large_memory.hpp"
+#include "core/kept_array.hpp"
 
 #include <algorithm>
 #include <array>
@@ -42,7 +42,7 @@ public:
     /// Throws Error(unsupported) for more than most_faces.
     OneRings(std::span<const Triangle> triangles, std::size_t vertex_count);
     /// start: of each vertex in `corners`, packed, and the end of the last.
-    OneRings(std::vector<std::uint32_t> start, UninitializedVector<std::uint32_t> corners)
+    OneRings(KeptArray<std::uint32_t> start, KeptArray<std::uint32_t> corners)
         : start_(std::move(start)), corners_(std::move(corners)) {}
 
     std::size_t vertex_count() const { return start_.size() - 1; }
@@ -62,14 +62,14 @@ public:
     }
 
     /// As the constructor takes them.
-    const std::vector<std::uint32_t>& starts() const { return start_; }
-    const UninitializedVector<std::uint32_t>& corners() const { return corners_; }
+    const KeptArray<std::uint32_t>& starts() const { return start_; }
+    const KeptArray<std::uint32_t>& corners() const { return corners_; }
 
-    std::size_t bytes() const { return (start_.size() + corners_.size()) * sizeof(std::uint32_t); }
+    std::size_t host_bytes() const { return start_.host_bytes() + corners_.host_bytes(); }
 
 private:
-    std::vector<std::uint32_t> start_;            // of each vertex in corners_, and the end of the last
-    UninitializedVector<std::uint32_t> corners_;  // packed
+    KeptArray<std::uint32_t> start_;    // of each vertex in corners_, and the end of the last
+    KeptArray<std::uint32_t> corners_;  // packed
 };
 
 /// To each edge that leaves a vertex, those that run along it: of up to `most_faces` faces, because all pairs of them

@@ -6,9 +6,23 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace clsdf::engine {
+
+/// Where the vertices of a mesh are, and what messages and lattices need beside. The mesh must outlive it.
+struct PlacedVertices {
+    std::span<const Vec3> positions;
+    const Box& box;
+    const std::string& name;
+
+    PlacedVertices(std::span<const Vec3> positions_in, const Box& box_in, const std::string& name_in)
+        : positions(positions_in), box(box_in), name(name_in) {}
+    // NOLINTNEXTLINE(google-explicit-constructor): a part of what a mesh is
+    PlacedVertices(const Mesh& mesh) : PlacedVertices(mesh.vertices(), mesh.box(), mesh.name()) {}
+};
 
 /// The vertices of the caller's mesh as a transform has them: those of equal coordinates count as one. Edges between
 /// vertices that are equal but not one would be open ones: exact, but slow.
@@ -16,6 +30,9 @@ class Vertices {
 public:
     /// All of so many vertices.
     explicit Vertices(std::size_t count = 0) : count_(count) {}
+    /// Of so many vertices, with the numbers that numbers_here() has given; empty if they are the same.
+    Vertices(std::size_t count, std::vector<std::uint32_t> numbers_here)
+        : count_(count), welded_(std::move(numbers_here)) {}
     /// Merges vertices that are equal, and drops those that no triangle uses. `first`: first_equal_vertices() of the
     /// mesh.
     Vertices(Mesh& mesh, const std::vector<std::uint32_t>& first);
@@ -24,6 +41,7 @@ public:
     std::size_t count() const { return count_; }
     /// Whether some count as one, and the mesh has other numbers than the caller.
     bool are_merged() const { return !welded_.empty(); }
+    const std::vector<std::uint32_t>& numbers_here() const { return welded_; }
 
     /// The number of each of the caller's vertices here, whether a triangle uses it or not. `first`: as above; empty if
     /// they are the same.

@@ -84,7 +84,7 @@ struct Arrays {
     std::vector<std::uint32_t> numbers;
     UninitializedVector<std::uint32_t> order;
     OrderedFaces faces;
-    std::vector<std::uint32_t> starts;
+    UninitializedVector<std::uint32_t> starts;
     UninitializedVector<std::uint32_t> corners;
     PairedEdges edges;
 };

@@ -80,6 +80,17 @@ KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool>
     }
 }
 
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, BorrowedMesh mesh,
+                   BorrowedSites sites, Options options)
+    : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(kept_, tools(), std::move(mesh)) {
+    set_sign_surface({});
+    const auto set = [](auto& kept, device::BufferPool::Lease& lease) {
+        if ((*lease)() != nullptr) kept.set(std::make_shared<const device::BufferPool::Lease>(std::move(lease)));
+    };
+    set(site_names_, sites.names);
+    set(pseudonormals_, sites.normals);
+}
+
 RegionPart KeptMesh::part_of_regions(std::vector<Region> regions, SignRule sign, double margin) {
     if (margin > 0 && given_faces_)
         throw Error(ErrorCode::unsupported,
@@ -254,8 +265,8 @@ SweepMesh KeptMesh::near_sweep_mesh(const Job& job, const NearRecords& near) {
     const auto faces = mesh_.is_on_device_alone() && boundary() == nullptr ? device_faces(job.lattice) : nullptr;
     if (is_swept_on_device(job, faces.get()))
         return engine::near_sweep_mesh(mesh_.set_up(), job.grid, job.lattice, box(), *faces, near);
-    return engine::near_sweep_mesh(tools(), job.grid, job.lattice, mesh(), sign_surface(), boundary().get(), topology(),
-                                   near.faces);
+    return engine::near_sweep_mesh(tools(), job.grid, job.lattice, present(), sign_surface(), boundary().get(),
+                                   topology(), near.faces);
 }
 
 std::optional<CrossedMesh> KeptMesh::crossed_mesh() {
@@ -280,7 +291,7 @@ std::shared_ptr<const DeviceTopology> KeptMesh::topology_on_device() const {
 
 std::shared_ptr<const OpenBoundary> KeptMesh::boundary() {
     if (!open_loops_) return nullptr;
-    return boundary_.get_or([&] { return OpenBoundary(*open_loops_, mesh().vertices()); });
+    return boundary_.get_or([&] { return OpenBoundary(*open_loops_, present().positions); });
 }
 
 std::shared_ptr<const OpenBoundary> KeptMesh::any_boundary() {

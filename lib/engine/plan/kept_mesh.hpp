@@ -37,6 +37,11 @@ class FieldMethod;
 
 namespace clsdf::engine {
 
+/// KeptMesh::sites(), in borrowed memory.
+struct BorrowedSites {
+    device::BufferPool::Lease names, normals;
+};
+
 /// The values that a transform keeps of its mesh for grids: lattices and their records, within a budget of the device's
 /// memory. Each is made from those above it when it is needed first, and again only if one of them has changed.
 ///
@@ -68,6 +73,11 @@ public:
     /// A mesh as given whose topology a GPU has made; null if made.mesh has the arrays.
     KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, std::shared_ptr<const Mesh> given,
              MadeTopology made, Options options);
+
+    /// A whole mesh whose large arrays are borrowed. sites: of it; without leases if they are made when they are
+    /// needed.
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, BorrowedMesh mesh, BorrowedSites sites,
+             Options options);
 
     KeptMesh(const KeptMesh&) = delete;
     KeptMesh& operator=(const KeptMesh&) = delete;
@@ -107,6 +117,13 @@ public:
     const Mesh& mesh() { return mesh_.on_host(); }
     /// The caller's vertices as mesh() has them.
     const Vertices& vertices() { return mesh_.vertices(); }
+    /// Of mesh(), without making it of borrowed arrays.
+    PlacedVertices present() { return mesh_.present(); }
+    std::span<const Triangle> triangles() { return mesh_.triangles(); }
+    bool has_moved() const { return mesh_.has_moved(); }
+    const std::shared_ptr<const NamedFaces>& names() { return mesh_.names(); }
+    /// Null unless open edges count.
+    const OpenLoops* open_loops() const { return open_loops_.get().get(); }
     /// The positions that it was made with.
     const std::vector<Vec3>& first_positions() { return mesh_.first_positions(); }
     const std::string& name() const { return mesh_.name(); }

@@ -108,7 +108,7 @@ Frusta PartMover::part_of(const Frusta& all, const MeshTopology& topology, std::
         SiteFrustum site;
     };
     std::vector<Decided> decided;
-    const UninitializedVector<std::uint32_t>& vertices = faces_->topology().faces.vertices;
+    const KeptArray<std::uint32_t>& vertices = faces_->topology().faces.vertices;
     for (const SiteFrustum& site : all.sites) {
         const std::uint32_t vertex = vertices[site.vertex], place = part.places[vertex];
         if (place == MovablePart::no_place || is_filling(site)) continue;

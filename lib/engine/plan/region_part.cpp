@@ -3,6 +3,7 @@
 #include "core/archive.hpp"
 #include "core/word_hash.hpp"
 #include "mesh/mesh_arrays.hpp"
+#include "plan/stored_values.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/version.hpp>
@@ -34,30 +35,11 @@ struct Head {
 
 constexpr std::uint32_t unknown_volume = 2;
 
-std::uint64_t hash_of(std::span<const std::byte> bytes) {
-    WordHash hash;
-    std::size_t at = 0;
-    for (; at + sizeof(std::uint64_t) <= bytes.size(); at += sizeof(std::uint64_t)) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, bytes.data() + at, sizeof(word));
-        hash.add(word);
-    }
-    for (; at < bytes.size(); ++at) hash.add(std::to_integer<std::uint64_t>(bytes[at]));
-    return hash.value();
-}
-
 [[noreturn]] void refuse(const std::string& reason) {
     throw Error(ErrorCode::invalid_argument, fmt::format("these bytes are no part of a transform that this program can "
                                                          "read: {}; pass all bytes that part_bytes() gave",
                                                          reason));
 }
-
-/// A site without its normal's type, which is Eigen's.
-struct StoredSite {
-    std::uint32_t vertex, face;
-    std::array<double, 3> normal;
-    FaceSlopes slopes;
-};
 
 /// The members of a part in the order of its bytes.
 struct Content {
@@ -101,7 +83,7 @@ struct Content {
         for (std::uint32_t* flag : {&has_floor, &is_negative, &has_boundary, &boundary_has_floor}) archive(*flag);
         archive(floor);
         archive(boundary_floor);
-        visit_topology(archive);
+        visit_topology(topology, archive);
         archive(regions);
         archive(record_count);
         archive(numbers);
@@ -137,57 +119,6 @@ private:
         archive(sample_triangles);
         archive(loop_vertices);
         archive(loop_begins);
-    }
-
-    template <typename Archive>
-    void visit_topology(Archive& archive) {
-        Topology& t = topology;
-        for (bool* flag : {&t.closed, &t.balanced, &t.inside_out}) archive(*flag);
-        for (std::size_t* count : {&t.open_edges,
-                                   &t.unbalanced_edges,
-                                   &t.non_manifold_edges,
-                                   &t.repeated_vertex_faces,
-                                   &t.coincident_vertices,
-                                   &t.unused_vertices,
-                                   &t.boundary_edges,
-                                   &t.joined_vertices,
-                                   &t.duplicate_faces,
-                                   &t.uncounted_faces,
-                                   &t.reoriented_faces,
-                                   &t.inner_wall_faces,
-                                   &t.first_inner_wall_face,
-                                   &t.parts,
-                                   &t.inward_parts,
-                                   &t.first_inward_face,
-                                   &t.nested_parts,
-                                   &t.first_nested_face,
-                                   &t.tested_points,
-                                   &t.doubtful_points,
-                                   &t.inside_points,
-                                   &t.unclear_parts,
-                                   &t.first_unclear_face,
-                                   &t.double_sided_faces,
-                                   &t.doubled_cavity_faces,
-                                   &t.first_doubled_cavity_face,
-                                   &t.sheet_faces,
-                                   &t.first_sheet_face,
-                                   &t.enclosing_faces,
-                                   &t.first_enclosing_face,
-                                   &t.overlapping_parts,
-                                   &t.first_overlapping_face,
-                                   &t.downward_faces,
-                                   &t.first_downward_face,
-                                   &t.rim_loops,
-                                   &t.overlapping_rim_edges,
-                                   &t.detail_parts,
-                                   &t.detail_faces,
-                                   &t.first_detail_face,
-                                   &t.partial_faces,
-                                   &t.hidden_faces})
-            archive(*count);
-        for (std::vector<Topology::Edge>* edges :
-             {&t.first_open_edges, &t.first_unbalanced_edges, &t.first_overlapping_rim_edges})
-            archive(*edges);
     }
 };
 
@@ -311,16 +242,15 @@ std::vector<std::byte> bytes_of(const RegionPart& part, const SignOfWhole& sign)
     content.triangles = mesh.triangles();
     content.surface_vertices = part.mesh.surface.vertices;
     content.surface_faces = part.mesh.surface.faces;
-    content.order = part.mesh.topology->order;
+    const KeptArray<std::uint32_t>& order = part.mesh.topology->order;
+    content.order.assign(order.begin(), order.end());
     content.non_manifold = non_manifold_edges(*part.mesh.topology);
     const Frusta& frusta = part.mesh.frusta;
-    for (const SiteFrustum& site : frusta.sites)
-        content.sites.push_back(
-            {site.vertex, site.face, {site.normal[0], site.normal[1], site.normal[2]}, site.slopes});
+    content.sites = stored_sites(frusta.sites);
     content.slivers = frusta.slivers;
     content.saddle_vertices = frusta.saddle_vertices;
     content.boxes = frusta.boxes;
-    content.slopes = frusta.slopes;
+    content.slopes.assign(frusta.slopes.begin(), frusta.slopes.end());
     content.begins = {0};
     if (part.boundary) {
         content.has_boundary = 1;
@@ -382,8 +312,7 @@ StoredPart part_of_bytes(std::span<const std::byte> bytes) {
         {static_cast<SignRule>(content.sign), content.has_floor != 0 ? std::optional(content.floor) : std::nullopt,
          std::move(content.topology)}};
     Frusta& frusta = stored.part.mesh.frusta;
-    for (const StoredSite& site : content.sites)
-        frusta.sites.push_back({site.vertex, site.face, {site.normal[0], site.normal[1], site.normal[2]}, site.slopes});
+    frusta.sites = sites_of(content.sites);
     if (!std::ranges::all_of(frusta.sites, [&](const auto& site) { return site.vertex < frusta.positions.size(); }))
         refuse("an index or a count is out of range");
     frusta.slivers = std::move(content.slivers);

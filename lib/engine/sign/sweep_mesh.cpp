@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace clsdf::engine {
 
@@ -111,18 +112,18 @@ struct SweepLattice {
 }
 
 /// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.
-device::BufferPool::Lease sweep_vertices(const DeviceSetUp& set_up, const SweepLattice& lattice, const Mesh& mesh,
-                                         const SignSurface& surface,
-                                         const UninitializedVector<std::uint32_t>& numbers) {
+device::BufferPool::Lease sweep_vertices(const DeviceSetUp& set_up, const SweepLattice& lattice,
+                                         const PlacedVertices& mesh, const SignSurface& surface,
+                                         std::span<const std::uint32_t> numbers) {
     device::HostFilling filling(set_up.tools.context, set_up.tools.pool, numbers.size() * sizeof(SweepVertex),
                                 vertices_purpose);
     auto* const vertices = static_cast<SweepVertex*>(filling.memory());
-    const std::size_t none = mesh.vertices().size();
+    const std::size_t none = mesh.positions.size();
     LeastIndex far(none);
     for_each_index(numbers.size(), [&](std::size_t v) {
-        if (!lattice.snap(mesh.vertices()[surface.vertex(numbers[v])], vertices[v])) far.take(numbers[v]);
+        if (!lattice.snap(mesh.positions[surface.vertex(numbers[v])], vertices[v])) far.take(numbers[v]);
     });
-    if (far.get() != none) refuse_far(mesh.name(), fmt::format("vertex {}", far.get()));
+    if (far.get() != none) refuse_far(mesh.name, fmt::format("vertex {}", far.get()));
     return filling.finish();
 }
 
@@ -205,7 +206,7 @@ SweepMesh make_sweep_mesh(const DeviceSetUp& set_up, const Grid& grid, const Lat
         result.vertices =
             faces != nullptr && surface.vertices.empty() && is_within_sweep(mesh.box(), grid, view)
                 ? vertices_on_device(set_up, lattice, *faces)
-                : sweep_vertices(set_up, lattice, mesh.on_host(), surface, mesh.topology().faces.vertices);
+                : sweep_vertices(set_up, lattice, mesh.present(), surface, mesh.topology().faces.vertices);
         result.triangle_count = mesh.face_count();
         result.bits_y = lattice.bits_y;
         result.bits_z = lattice.bits_z;
@@ -221,11 +222,11 @@ bool is_within_sweep(const Box& box, const Grid& grid, const LatticeView& view) 
     return lattice.snap(box.lower, any) && lattice.snap(box.upper, any);
 }
 
-SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const SignSurface& surface, const OpenBoundary* boundary, const MeshTopology& topology,
-                          const std::vector<RecordRange>& faces) {
+SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view,
+                          const PlacedVertices& mesh, const SignSurface& surface, const OpenBoundary* boundary,
+                          const MeshTopology& topology, const std::vector<RecordRange>& faces) {
     return device::guarded([&] {
-        const SweepLattice lattice(grid, view, mesh.box());
+        const SweepLattice lattice(grid, view, mesh.box);
         std::size_t count = 0;
         for (const RecordRange& range : faces) count += range.end - range.begin;
         // Each face has vertices of its own.
@@ -244,7 +245,7 @@ SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Latt
                     if (!surface.is_mesh()) swept = surface.triangle(swept, topology.order[face]);
                     for (std::size_t k = 0; k < 3; ++k) {
                         const std::size_t n = 3 * (begin + i) + k;
-                        lattice.snap(mesh.vertices()[swept[k]], vertices[n]);
+                        lattice.snap(mesh.positions[swept[k]], vertices[n]);
                         triangles[begin + i][k] = static_cast<std::uint32_t>(n);
                     }
                 }
@@ -257,7 +258,7 @@ SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Latt
                          .bits_y = lattice.bits_y,
                          .bits_z = lattice.bits_z,
                          .first_x = lattice.first_x,
-                         .boundary = boundary_on(lattice, mesh.name(), boundary)};
+                         .boundary = boundary_on(lattice, mesh.name, boundary)};
     });
 }
 

@@ -8,6 +8,7 @@
 #include "frusta/device_faces.hpp"
 #include "frusta/homed_mesh.hpp"
 #include "launch/device_tools.hpp"
+#include "mesh/vertices.hpp"
 #include "sign/film.hpp"
 #include "surface/open_edges.hpp"
 #include "surface/sign_surface.hpp"
@@ -59,9 +60,9 @@ bool is_within_sweep(const Box& box, const Grid& grid, const LatticeView& view);
 
 /// The faces that rows of a part of the lattice can cross, without the others, and all open edges. The sign has the
 /// same bits.
-SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const SignSurface& surface, const OpenBoundary* boundary, const MeshTopology& topology,
-                          const std::vector<RecordRange>& faces);
+SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view,
+                          const PlacedVertices& mesh, const SignSurface& surface, const OpenBoundary* boundary,
+                          const MeshTopology& topology, const std::vector<RecordRange>& faces);
 /// The same by kernels, of a mesh that decides the sign and has no open edges that count. `near`: whole clusters.
 SweepMesh near_sweep_mesh(const DeviceSetUp& set_up, const Grid& grid, const LatticeView& view, const Box& box,
                           const DeviceFaces& faces, const NearRecords& near);

@@ -25,7 +25,7 @@ std::vector<DoubledFace> doubled_faces(std::span<const Triangle> triangles, std:
         }
     };
     UninitializedVector<Filed> filed(triangles.size());
-    const std::vector<std::uint32_t> first_at = bucket_sort(
+    const UninitializedVector<std::uint32_t> first_at = bucket_sort(
         triangles.size(), vertex_count, [&](std::size_t face) { return std::ranges::min(triangles[face]); },
         [&](std::size_t face, std::size_t place) {
             const auto& [a, b, c] = triangles[face];

@@ -249,7 +249,7 @@ std::vector<std::uint32_t> EqualVertices::read(const DeviceSetUp& set_up) const 
 
 MeshTopology DeviceTopology::read(const DeviceSetUp& set_up, std::span<const std::uint32_t> numbers) const {
     UninitializedVector<std::uint32_t> of_faces(face_count()), of_corners(3 * face_count());
-    std::vector<std::uint32_t> of_vertices(vertex_count() + 1);
+    UninitializedVector<std::uint32_t> of_vertices(vertex_count() + 1);
     OrderedFaces faces;
     faces.triangles = UninitializedVector<Triangle>(face_count());
     faces.vertices = UninitializedVector<std::uint32_t>(vertex_count());

@@ -2,7 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "core/large_memory.hpp"
+#include "core/kept_array.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -19,8 +19,8 @@ UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh);
 /// The faces of a mesh in another order. Its vertices are numbered as those faces first name them, without unused ones,
 /// so neighbours in one list are near each other in the others.
 struct OrderedFaces {
-    UninitializedVector<Triangle> triangles;
-    UninitializedVector<std::uint32_t> vertices;  ///< the mesh's index of each
+    KeptArray<Triangle> triangles;
+    KeptArray<std::uint32_t> vertices;  ///< the mesh's index of each
 };
 
 /// Bits of a cell's number on an axis of that order, a digit of a sort. Fewer bits suffice for few faces, and are

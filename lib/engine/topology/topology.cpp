@@ -136,15 +136,15 @@ void VertexFans::walk(std::span<const Triangle> triangles, std::span<const FaceE
 
 MeshTopology::MeshTopology(const Mesh& mesh) : MeshTopology(mesh, morton_order(mesh)) {}
 
-MeshTopology::MeshTopology(const Mesh& mesh, UninitializedVector<std::uint32_t> order_in)
+MeshTopology::MeshTopology(const Mesh& mesh, KeptArray<std::uint32_t> order_in)
     : order(std::move(order_in)),
       faces(ordered_faces(mesh, order)),
       rings(faces.triangles, faces.vertices.size()),
       edges(pair_edges(faces.triangles, rings)) {}
 
 std::size_t MeshTopology::host_bytes() const {
-    return order.size() * sizeof(order[0]) + faces.triangles.size() * sizeof(Triangle) +
-           faces.vertices.size() * sizeof(std::uint32_t) + rings.bytes() + edges.faces.size() * sizeof(FaceEdges);
+    return order.host_bytes() + faces.triangles.host_bytes() + faces.vertices.host_bytes() + rings.host_bytes() +
+           edges.faces.host_bytes();
 }
 
 UninitializedVector<std::uint32_t> opposite_words(const MeshTopology& topology) {

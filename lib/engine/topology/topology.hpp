@@ -2,7 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "core/large_memory.hpp"
+#include "core/kept_array.hpp"
 #include "face_edges.h"
 #include "mesh/one_rings.hpp"
 #include "topology/face_order.hpp"
@@ -44,7 +44,7 @@ inline bool has_mark(std::span<const FaceEdges> faces, const Corner& edge, EdgeM
 struct PairedEdges {
     /// For each face, the data that follow from the vertices' indices: edge_open, edge_non_manifold, edge_unoriented,
     /// edge_at_box of an edge from a vertex to itself, and the faces across.
-    UninitializedVector<FaceEdges> faces;
+    KeptArray<FaceEdges> faces;
     std::vector<std::uint32_t> non_manifold_ends;  ///< lower ends of edges with edge_non_manifold, ascending
     bool are_paired = false;  ///< each edge has two faces, which run along it in opposite directions
 
@@ -108,7 +108,7 @@ struct JoinedPart {
 /// The data that follow from a mesh's triangles. The order of the faces also depends on the first positions of the
 /// vertices; later positions do not change it.
 struct MeshTopology {
-    UninitializedVector<std::uint32_t> order;  ///< the mesh's index of each face, in Morton order
+    KeptArray<std::uint32_t> order;  ///< the mesh's index of each face, in Morton order
     OrderedFaces faces;
     OneRings rings;
     PairedEdges edges;
@@ -117,10 +117,9 @@ struct MeshTopology {
     /// Throws Error(unsupported) for 2^30 faces or more.
     explicit MeshTopology(const Mesh& mesh);
     /// In another order: the mesh's index of each face.
-    MeshTopology(const Mesh& mesh, UninitializedVector<std::uint32_t> order);
+    MeshTopology(const Mesh& mesh, KeptArray<std::uint32_t> order);
     /// Of parts that were made elsewhere.
-    MeshTopology(UninitializedVector<std::uint32_t> order_in, OrderedFaces faces_in, OneRings rings_in,
-                 PairedEdges edges_in)
+    MeshTopology(KeptArray<std::uint32_t> order_in, OrderedFaces faces_in, OneRings rings_in, PairedEdges edges_in)
         : order(std::move(order_in)),
           faces(std::move(faces_in)),
           rings(std::move(rings_in)),

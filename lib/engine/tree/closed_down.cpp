@@ -71,13 +71,12 @@ ClosedMesh closed_down(const PointMesh& mesh, const OpenBoundary& boundary) {
     UninitializedVector<std::uint32_t> order(faces.triangles.size(), no_triangle);
     std::ranges::copy(mesh.topology->order, order.begin());
     if (!mesh.sign_counts.empty()) {
-        closed.sign_counts.assign(faces.triangles.size(), 1);
+        closed.sign_counts = UninitializedVector<std::int8_t>(faces.triangles.size(), 1);
         std::ranges::copy(mesh.sign_counts, closed.sign_counts.begin());
-        std::ranges::copy(mesh.sign_counts,
-                          closed.sign_counts.begin() + static_cast<std::ptrdiff_t>(mesh.count + walls.size()));
+        std::ranges::copy(mesh.sign_counts, closed.sign_counts.begin() + mesh.count + walls.size());
     }
     closed.topology = std::make_shared<const MeshTopology>(
-        std::move(order), std::move(faces), OneRings({0}, UninitializedVector<std::uint32_t>{}), PairedEdges{});
+        std::move(order), std::move(faces), OneRings(UninitializedVector<std::uint32_t>{0}, {}), PairedEdges{});
     return result;
 }
 

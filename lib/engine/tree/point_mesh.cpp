@@ -69,7 +69,7 @@ void set_lowest_equal(const MeshTopology& topology, std::span<PointFace> faces) 
 void set_sign_surface(PointMesh& result, const Mesh& mesh, const SignSurface& surface) {
     const MeshTopology& topology = *result.topology;
     if (!surface.vertices.empty()) {
-        const UninitializedVector<std::uint32_t>& vertices = topology.faces.vertices;
+        const KeptArray<std::uint32_t>& vertices = topology.faces.vertices;
         std::vector<bool> is_joined(mesh.vertices().size());
         for (std::uint32_t vertex = 0; vertex < is_joined.size(); ++vertex)
             if (const std::uint32_t other = surface.vertex(vertex); other != vertex)
@@ -112,7 +112,7 @@ PointMesh make_host_point_mesh(const Mesh& mesh, const SignSurface& surface,
     result.box = mesh.box();
     result.count = topology->order.size();
     result.topology = std::move(topology);
-    const UninitializedVector<std::uint32_t>& vertices = result.topology->faces.vertices;
+    const KeptArray<std::uint32_t>& vertices = result.topology->faces.vertices;
     result.positions.resize(vertices.size());
     for_each_index(vertices.size(), [&](std::size_t i) { result.positions[i] = mesh.vertices()[vertices[i]]; });
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/large_memory.hpp"
+#include "core/kept_array.hpp"
 #include "device/buffer_pool.hpp"
 #include "frusta/frames.hpp"
 #include "launch/device_tools.hpp"
@@ -86,9 +86,9 @@ struct PointMesh : PointFaces {
     bool is_part = false;              ///< faces that cross rows with greater x than those of the points may be missing
     bool has_several_regions = false;  ///< a part: between points of two regions, any face may be missing
     std::shared_ptr<const MeshTopology> topology;  ///< which numbers the faces
-    UninitializedVector<Vec3> positions;           ///< of the vertices, numbered as in MeshTopology::faces
-    std::vector<Vec3> sign_positions;              ///< those that decide the sign; empty: the same
-    std::vector<std::int8_t> sign_counts;          ///< how often each face counts for the sign; empty: once
+    KeptArray<Vec3> positions;                     ///< of the vertices, numbered as in MeshTopology::faces
+    KeptArray<Vec3> sign_positions;                ///< those that decide the sign; empty: the same
+    KeptArray<std::int8_t> sign_counts;            ///< how often each face counts for the sign; empty: once
     std::vector<bool> is_joined;                   ///< of each vertex, whether it is with another one; empty: none
 
     std::size_t face_count() const { return count; }
@@ -112,7 +112,7 @@ struct PointMesh : PointFaces {
     }
 
     std::size_t host_bytes() const {
-        return (positions.size() + sign_positions.size()) * sizeof(Vec3) + sign_counts.size() + is_joined.size() / 8 +
+        return positions.host_bytes() + sign_positions.host_bytes() + sign_counts.host_bytes() + is_joined.size() / 8 +
                PointFaces::host_bytes();
     }
 };

@@ -162,7 +162,7 @@ UnitBox face_box(const WideTree& tree, std::size_t face) {
 WideTree make_wide_tree(const PointMesh& mesh) {
     WideTree tree;
     tree.shape = shape_of(mesh.face_count());
-    tree.nodes.assign(tree.shape.first[tree.shape.levels - 1] + 1, empty_node());
+    tree.nodes = UninitializedVector<PointNode>(std::size_t{tree.shape.first[tree.shape.levels - 1]} + 1, empty_node());
     fill_first_level(mesh, tree);
     fill_upper_levels(tree);
     return tree;
@@ -171,7 +171,7 @@ WideTree make_wide_tree(const PointMesh& mesh) {
 WideLeaves make_wide_leaves(const DeviceTools& tools, const PointMesh& mesh, std::shared_ptr<const WideTree> tree) {
     WideLeaves result;
     result.tree = std::move(tree);
-    const std::vector<PointNode>& nodes = result.tree->nodes;
+    const std::span<const PointNode> nodes = result.tree->nodes;
     const std::size_t count = result.tree->shape.count[0];
     const auto write = [&](PointLeaf* leaves) {
         const std::span records(static_cast<const Polyhedron*>(mesh.polyhedra->on_host()), mesh.face_count());
@@ -192,7 +192,7 @@ WideLeaves make_wide_leaves(const DeviceTools& tools, const PointMesh& mesh, std
     write(static_cast<PointLeaf*>(filling.memory()));
     result.device_leaves = filling.finish();
     result.device_nodes =
-        device::uploaded(tools.context, tools.pool, std::span(nodes).subspan(count), "nodes of the points' tree");
+        device::uploaded(tools.context, tools.pool, nodes.subspan(count), "nodes of the points' tree");
     return result;
 }
 

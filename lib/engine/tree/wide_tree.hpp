@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/kept_array.hpp"
 #include "core/kernel_language.hpp"
-#include "core/large_memory.hpp"
 #include "device/buffer_pool.hpp"
 #include "launch/device_tools.hpp"
 #include "tree/point_mesh.hpp"
@@ -23,9 +23,9 @@ namespace clsdf::engine {
 /// The boxes of the faces of a PointMesh, and of what is above them, for the host.
 struct WideTree {
     PointTree shape{};
-    std::vector<PointNode> nodes;  ///< by levels; the children of the first level are faces; the root is the last
+    KeptArray<PointNode> nodes;  ///< by levels; the children of the first level are faces; the root is the last
 
-    std::size_t host_bytes() const { return nodes.size() * sizeof(PointNode); }
+    std::size_t host_bytes() const { return nodes.host_bytes(); }
 };
 
 /// What a search for the nearest face reads beside the mesh: for the body by_vector in buffers, which the host reads,
@@ -34,12 +34,12 @@ struct WideLeaves {
     std::shared_ptr<const WideTree> tree;
     device::BufferPool::Lease device_nodes;   ///< those of the tree from the second level on
     device::BufferPool::Lease device_leaves;  ///< PointLeaf, in place of the first level
-    UninitializedVector<PointLeaf> leaves;    ///< if they are in no buffer
+    KeptArray<PointLeaf> leaves;              ///< if they are in no buffer
 
     const PointLeaf* on_host() const {
         return leaves.empty() ? static_cast<const PointLeaf*>(device_leaves.on_host()) : leaves.data();
     }
-    std::size_t host_bytes() const { return leaves.size() * sizeof(PointLeaf); }
+    std::size_t host_bytes() const { return leaves.host_bytes(); }
     std::size_t device_bytes() const { return device_nodes.bytes() + device_leaves.bytes(); }
 };
 

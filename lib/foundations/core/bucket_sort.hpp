@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 
 #include <algorithm>
@@ -14,8 +15,8 @@ namespace clsdf {
 /// Sorts the indices [0, count) by bucket_of(index) < buckets, on all cores; indices of one bucket keep their order.
 /// Calls put(index, place) for each. Returns the first place of each bucket, and then `count`, which is less than 2^32.
 template <typename BucketOf, typename Put>
-std::vector<std::uint32_t> bucket_sort(std::size_t count, std::size_t buckets, const BucketOf& bucket_of,
-                                       const Put& put) {
+UninitializedVector<std::uint32_t> bucket_sort(std::size_t count, std::size_t buckets, const BucketOf& bucket_of,
+                                               const Put& put) {
     // Each chunk of the indices has its own counters: first of its indices per bucket, then of their places.
     const std::size_t chunk = chunk_for_all_cores(count, std::max(std::size_t{1} << 13, 4 * buckets));
     std::vector<std::vector<std::uint32_t>> places(chunk_count(count, chunk));
@@ -27,7 +28,8 @@ std::vector<std::uint32_t> bucket_sort(std::size_t count, std::size_t buckets, c
         });
     };
     for_each([](std::size_t, std::uint32_t& counter) { ++counter; });
-    std::vector<std::uint32_t> first(buckets + 1, static_cast<std::uint32_t>(count));
+    UninitializedVector<std::uint32_t> first(buckets + 1);
+    first[buckets] = static_cast<std::uint32_t>(count);
     std::uint32_t place = 0;
     for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
         first[bucket] = place;

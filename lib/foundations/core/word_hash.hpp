@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <span>
 
 namespace clsdf {
 
@@ -17,5 +20,17 @@ public:
 private:
     std::uint64_t value_ = 0;
 };
+
+inline std::uint64_t hash_of(std::span<const std::byte> bytes) {
+    WordHash hash;
+    std::size_t at = 0;
+    for (; at + sizeof(std::uint64_t) <= bytes.size(); at += sizeof(std::uint64_t)) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, bytes.data() + at, sizeof(word));
+        hash.add(word);
+    }
+    for (; at < bytes.size(); ++at) hash.add(std::to_integer<std::uint64_t>(bytes[at]));
+    return hash.value();
+}
 
 }  // namespace clsdf

@@ -41,6 +41,10 @@ public:
         Lease() = default;
         Lease(std::shared_ptr<BufferPool> pool, cl::Buffer buffer, std::size_t bytes)
             : pool_(std::move(pool)), buffer_(std::move(buffer)), bytes_(bytes) {}
+        /// A buffer in memory of the host (buffer_in()), which it does not own.
+        Lease(cl::Buffer buffer, const void* memory)
+            : buffer_(std::move(buffer)),
+              mapped_(const_cast<void*>(memory)) {}  // NOLINT(cppcoreguidelines-pro-type-const-cast): it is read only
         Lease(Lease&& other) noexcept { *this = std::move(other); }
         Lease& operator=(Lease&& other) noexcept;
         ~Lease() { give_back(); }

@@ -126,6 +126,30 @@ public:
     static DistanceTransform from_part(Device device, std::span<const std::byte> bytes,
                                        std::optional<std::size_t> kept_bytes = {});
 
+    /// One copy of a prepared mesh for the processes of a node. share() writes what a whole transform keeps on the host
+    /// and what depends on no grid: the mesh, its topology and polyhedra, the trees for points, the signs of faces, the
+    /// names and the pseudonormals of sites. from_shared() makes a transform that reads these arrays in place. The
+    /// memory is the caller's: POSIX shared memory, a window of MPI, a mapped file. It begins at a multiple of 64
+    /// bytes, at any address.
+    ///
+    /// The size in bytes of that memory: about 640 for each triangle. Makes what is not made yet, so that share() only
+    /// copies. Both throw Error(unsupported) for a transform that is restricted (part_bytes() is for those), whose
+    /// vertices have moved, whose surface is `outer`, or that has polyhedra of clsdf::papers; Error(device_failure,
+    /// out_of_memory).
+    std::size_t prepared_bytes() const;
+    /// Writes into memory of at least prepared_bytes() bytes, and the head last: until the call returns, from_shared()
+    /// refuses the memory. Throws as above, and Error(invalid_argument) if the memory is too small or not aligned.
+    void share(std::span<std::byte> memory) const;
+    /// The whole transform, with the bytes of the one that was shared, whatever is asked for. The memory must stay as
+    /// it is until the transform and its plans are destroyed; it may be read-only. Reads all of it once to check its
+    /// hash, which tells damage, not forgery. memory() counts only what the transform has beside it. A device with
+    /// memory of its own gets copies; then the host's arrays alone are shared. After set_positions() the values that
+    /// follow from positions are the transform's own; the topology stays shared. kept_bytes: as TransformOptions has
+    /// them. Throws Error(invalid_argument) if the memory has no transform, or one that is not complete, damaged or of
+    /// another version; Error(device_failure, unsupported, out_of_memory).
+    static DistanceTransform from_shared(Device device, std::span<const std::byte> memory,
+                                         std::optional<std::size_t> kept_bytes = {});
+
     // Set positions.
 
     /// Gives the same triangles new positions, one for each vertex of the mesh that the transform was made from. What

@@ -1,0 +1,182 @@
+#include "calls/transform_state.hpp"
+#include "core/parallel.hpp"
+#include "core/placed_archive.hpp"
+#include "core/word_hash.hpp"
+#include "plan/stored_mesh.hpp"
+#include "points/stored_points.hpp"
+
+#include <clsdf/version.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// Prepared meshes in memory that processes share: a head, then the values of engine::StoredMesh and those of
+/// points::StoredPoints as this machine has them.
+namespace clsdf {
+
+namespace {
+
+struct alignas(line_bytes) Head {
+    std::array<char, 8> name{'c', 'l', 's', 'd', 'f', 's', 'h', 'r'};
+    std::uint32_t byte_order = 0x01020304;
+    std::uint32_t layout = 1;  ///< of what follows; another number for each change of it
+    std::uint64_t version = CLSDF_VERSION;
+    std::uint64_t size = 0;  ///< of what follows
+    std::uint64_t hash = 0;  ///< of what follows
+    std::array<std::uint64_t, 3> zeros{};
+};
+static_assert(sizeof(Head) == line_bytes);
+
+[[noreturn]] void refuse(const std::string& reason) {
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("this memory has no transform that this program can read: {}; pass the memory that share() "
+                            "has filled, all of it, when share() has returned",
+                            reason));
+}
+
+void check_alignment(const void* memory) {
+    if (reinterpret_cast<std::uintptr_t>(memory) % line_bytes != 0)
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("memory for a shared transform begins at a multiple of {} bytes, and this begins at {}; "
+                        "leave the first bytes out",
+                        line_bytes, memory));
+}
+
+/// On all cores.
+std::uint64_t hash_of_all(std::span<const std::byte> bytes) {
+    constexpr std::size_t piece = std::size_t{1} << 20;
+    std::vector<std::uint64_t> hashes(chunk_count(bytes.size(), piece));
+    for_each_index(
+        hashes.size(),
+        [&](std::size_t i) {
+            hashes[i] = hash_of(bytes.subspan(i * piece, std::min(piece, bytes.size() - i * piece)));
+        },
+        1);
+    return hash_of(std::as_bytes(std::span<const std::uint64_t>(hashes)));
+}
+
+/// What is written behind the head.
+struct Content {
+    engine::StoredMesh mesh;
+    points::StoredPoints points;
+
+    template <typename Archive>
+    void visit(Archive& archive) {
+        mesh.visit(archive);
+        points.visit(archive);
+    }
+    std::size_t size() {
+        PlacingArchive counting;
+        visit(counting);
+        return counting.size();
+    }
+};
+
+/// Throws Error(unsupported).
+Content content_of(const engine::Workshop& workshop, engine::KeptMesh& kept_mesh, points::KeptPoints& kept_points,
+                   const engine::SignOfWhole& sign, bool is_outer) {
+    if (kept_mesh.restriction() != nullptr)
+        throw Error(ErrorCode::unsupported,
+                    "the transform is restricted, and whole ones alone can be shared; send its part_bytes()");
+    if (is_outer)
+        throw Error(ErrorCode::unsupported,
+                    "a transform whose surface is outer cannot be shared; make the transform of the mesh of outer()");
+    if (workshop.method)
+        throw Error(ErrorCode::unsupported,
+                    "a transform with polyhedra or a scan of clsdf::papers cannot be shared; use leaned frusta");
+    if (kept_mesh.has_moved())
+        throw Error(ErrorCode::unsupported,
+                    "the vertices of the transform have moved, and it cannot be shared any more; make a transform of "
+                    "the mesh at these positions");
+    return kept_mesh.prepare([&] { return Content{{kept_mesh, sign}, {kept_points, sign.sign}}; });
+}
+
+}  // namespace
+
+std::size_t DistanceTransform::State::prepared_bytes() {
+    const KeepsBudget keeps_budget(*this);
+    const std::scoped_lock lock(mutex);
+    context().begin_call();
+    return calls::with_remedies(nullptr, {forgetting()}, [&] {
+        return sizeof(Head) +
+               content_of(*this, *kept_mesh, *kept_points, {sign, floor, topology}, given != nullptr).size();
+    });
+}
+
+void DistanceTransform::State::share(std::span<std::byte> memory) {
+    const KeepsBudget keeps_budget(*this);
+    const std::scoped_lock lock(mutex);
+    context().begin_call();
+    check_alignment(memory.data());
+    calls::with_remedies(nullptr, {forgetting()}, [&] {
+        Content content = content_of(*this, *kept_mesh, *kept_points, {sign, floor, topology}, given != nullptr);
+        Head head;
+        head.size = content.size();
+        if (memory.size() < sizeof(head) || memory.size() - sizeof(head) < head.size)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the prepared mesh takes {} bytes, and the memory has {}; give as many as "
+                                    "prepared_bytes() says",
+                                    sizeof(head) + head.size, memory.size()));
+        const std::span<std::byte> values = memory.subspan(sizeof(head), static_cast<std::size_t>(head.size));
+        std::memset(memory.data(), 0, sizeof(head));
+        PlacingArchive archive(values);
+        content.visit(archive);
+        head.hash = hash_of_all(values);
+        std::atomic_thread_fence(std::memory_order_release);
+        std::memcpy(memory.data(), &head, sizeof(head));
+    });
+}
+
+std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_shared(Device device,
+                                                                              std::span<const std::byte> memory,
+                                                                              const TransformOptions& options) {
+    check_alignment(memory.data());
+    const Head own;
+    Head head;
+    if (memory.size() < sizeof(head)) refuse(fmt::format("it has {} bytes, fewer than the head", memory.size()));
+    std::memcpy(&head, memory.data(), sizeof(head));
+    if (head.name == std::array<char, 8>{}) refuse("nothing has been written yet, or not all");
+    if (head.name != own.name) refuse("it does not begin as one");
+    if (head.byte_order != own.byte_order) refuse("a machine of another byte order wrote it");
+    if (head.layout != own.layout || head.version != own.version)
+        refuse(fmt::format("clsdf of the version number {} (layout {}) wrote it, and this is {} (layout {})",
+                           head.version, head.layout, own.version, own.layout));
+    memory = memory.subspan(sizeof(head));
+    if (head.size > memory.size())
+        refuse(fmt::format("{} bytes follow the head, which states {}", memory.size(), head.size));
+    memory = memory.first(static_cast<std::size_t>(head.size));
+    if (head.hash != hash_of_all(memory)) refuse("it was changed since it was written");
+    Content content;
+    try {
+        BorrowingArchive archive(memory);
+        content.visit(archive);
+        if (!archive.is_at_end()) refuse("it has more values than a transform");
+    } catch (const ReadingArchive::Ended&) {
+        refuse("it ends too early");
+    }
+    if (!content.mesh.fits() || !content.points.fits(content.mesh.face_count(), content.mesh.vertex_count()))
+        refuse("the lengths of its arrays do not go together");
+
+    std::unique_ptr<State> state(new State(std::move(device), options, {}, nullptr));
+    engine::SignOfWhole sign = content.mesh.sign();
+    state->sign = sign.sign;
+    state->floor = sign.floor;
+    state->topology = std::move(sign.topology);
+    state->kept_mesh = content.mesh.make(state->context(), state->pool, state->kept_options(options));
+    state->kept_points = std::make_unique<points::KeptPoints>(*state->kept_mesh);
+    content.points.set(*state->kept_mesh, *state->kept_points);
+    return state;
+}
+
+}  // namespace clsdf
