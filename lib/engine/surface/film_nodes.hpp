@@ -26,11 +26,12 @@ public:
         double radius;                  ///< the radius of the ball
         double area;                    ///< the area of the film
         double spread;                  ///< as of film_expansion_error()
-        Vec3 normal;                    ///< the sum of its triangles' area vectors n dA
-        std::array<double, 6> moment;   ///< the integral of n_j (x - centre)_k, symmetric: xx, yy, zz, xy, xz, yz
         std::uint32_t corner, corners;  ///< its range in the order of corners_of()
         std::uint32_t second;           ///< the second child; the first one is the next node; 0: a leaf
         std::uint32_t expansion;        ///< no_expansion: exact turns cost no more
+        // Sums over the tree do not read these.
+        Vec3 normal;                   ///< the sum of its triangles' area vectors n dA
+        std::array<double, 6> moment;  ///< the integral of n_j (x - centre)_k, symmetric: xx, yy, zz, xy, xz, yz
 
         bool is_leaf() const { return second == 0; }
     };
@@ -54,7 +55,9 @@ public:
     std::span<const std::uint32_t> corners_of(const Node& node) const {
         return std::span(corners_).subspan(node.corner, node.corners);
     }
-    /// The turns of a node that has an expansion at a point.
+    /// All of them, in the order of the nodes.
+    std::span<const std::uint32_t> corners() const { return corners_; }
+    /// Of a node that has one.
     const FilmExpansion& expansion_of(const Node& node) const { return expansions_[node.expansion]; }
     /// How much the expansion of a node may be off at a distance from its centre; infinite if it has none.
     static double error_of(const Node& node, double distance) {

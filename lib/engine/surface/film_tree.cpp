@@ -17,6 +17,8 @@ FilmTree::FilmTree(std::shared_ptr<const OpenBoundary> boundary, double unit)
     positions.reserve(boundary_->corners.size());
     for (const Vec3& corner : boundary_->corners) positions.push_back(scaled(corner));
     nodes_ = FilmNodes(positions, boundary_->begins);
+    corners_.reserve(nodes_.corners().size());
+    for (const std::uint32_t corner : nodes_.corners()) corners_.push_back(boundary_->corners[corner]);
 }
 
 Vec3 FilmTree::scaled(const Vec3& position) const {
@@ -35,10 +37,9 @@ FilmTree::Sum FilmTree::sum(const Vec3& point, double tolerance) const {
                    at[2] <= node.upper[2] && at[0] >= node.lower[0];
         },
         [&](const FilmNodes::Node& leaf) {
-            const std::span<const std::uint32_t> corners = nodes_.corners_of(leaf);
+            const std::span<const Vec3> corners = std::span(corners_).subspan(leaf.corner, leaf.corners);
             sum.near = turned_by_loop(
-                sum.near, corners.size(), [&](std::size_t i) -> const Vec3& { return boundary_->corners[corners[i]]; },
-                point, unit_);
+                sum.near, corners.size(), [&](std::size_t i) -> const Vec3& { return corners[i]; }, point, unit_);
         });
     return sum;
 }
@@ -81,11 +82,11 @@ double FilmTree::change_within(const Vec3& centre, double radius) const {
             return true;
         }
         LoopChange of_piece(distance, node.radius, node.area, radius);
-        const std::span<const std::uint32_t> corners = nodes_.corners_of(node);
-        const Vec3 first = difference(scaled(boundary_->corners[corners.front()]), at);
+        const std::span<const Vec3> corners = std::span(corners_).subspan(node.corner, node.corners);
+        const Vec3 first = difference(scaled(corners.front()), at);
         Vec3 a = first;
         for (std::size_t i = 1; i <= corners.size(); ++i) {
-            const Vec3 b = i < corners.size() ? difference(scaled(boundary_->corners[corners[i]]), at) : first;
+            const Vec3 b = i < corners.size() ? difference(scaled(corners[i]), at) : first;
             of_piece.add_edge(a, b);
             a = b;
         }

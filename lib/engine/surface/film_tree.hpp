@@ -6,6 +6,8 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
+#include <vector>
 
 namespace clsdf {
 
@@ -31,7 +33,7 @@ public:
 
     const OpenBoundary& boundary() const { return *boundary_; }
     /// Without the boundary.
-    std::size_t host_bytes() const { return nodes_.host_bytes(); }
+    std::size_t host_bytes() const { return nodes_.host_bytes() + corners_.size() * sizeof(corners_[0]); }
 
 private:
     struct Sum {
@@ -46,7 +48,8 @@ private:
 
     std::shared_ptr<const OpenBoundary> boundary_;
     double unit_;
-    FilmNodes nodes_;  // in the unit
+    FilmNodes nodes_;            // in the unit
+    std::vector<Vec3> corners_;  // of the boundary, in the order of the nodes: neighbours lie together
 };
 
 }  // namespace clsdf
