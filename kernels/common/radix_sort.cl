@@ -1,6 +1,7 @@
 // A stable sort of indices by keys of 32 bits on a GPU, from the lowest eight bits of the keys up. A pass has three
 // launches: each work-group counts the digits of its tile of the keys; a group for each digit sums its counts over the
-// tiles; each group writes its tile in runs of equal digits.
+// tiles; each group writes its tile in runs of equal digits. If tiles are few, each group of the last launch makes the
+// sums itself, and the second launch is left out.
 //
 // Local memory: 17 bytes a key of a tile, at most 17 KiB. Atomics: those of 32 bits in local memory, whose sums do not
 // depend on an order.
@@ -89,9 +90,9 @@ static inline void sort_tile(__local uint* words, __local ushort* counters, __lo
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// counts, totals: of radix_sums(). is_first: the values are the keys' indices, and values_in is not read. is_last:
-// keys_out is not written. A group a tile.
-__kernel GROUP_OF_KERNEL void radix_place(uint count, uint shift, uint is_first, uint is_last,
+// counts, totals: of radix_sums(), if are_summed; else counts: of radix_count(). is_first: the values are the keys'
+// indices, and values_in is not read. is_last: keys_out is not written. A group a tile.
+__kernel GROUP_OF_KERNEL void radix_place(uint count, uint shift, uint is_first, uint is_last, uint are_summed,
                                           __global const uint* counts, __global const uint* totals,
                                           __global const uint* keys_in, __global const uint* values_in,
                                           __global uint* keys_out, __global uint* values_out) {
@@ -106,13 +107,24 @@ __kernel GROUP_OF_KERNEL void radix_place(uint count, uint shift, uint is_first,
     for (uint i = item; i < CLSDF_RADIX_TILE; i += GROUP)
         words[SPREAD(i)] = (i < end ? digit_of(keys_in[begin + i], shift) : DIGITS - 1u) << DIGIT_SHIFT | i;
     sort_tile(words, counters, sums);
-    uint before = 0;
-    for (uint i = 0; i < DIGITS_EACH; ++i) before += totals[item * DIGITS_EACH + i];
-    before = sum_before(before, sums);
+    uint before = 0, own[DIGITS_EACH], all[DIGITS_EACH];
+#pragma unroll
     for (uint i = 0; i < DIGITS_EACH; ++i) {
         const uint digit = item * DIGITS_EACH + i;
-        places[digit] = before + counts[digit * tiles + tile];
-        before += totals[digit];
+        own[i] = are_summed ? counts[digit * tiles + tile] : 0;
+        all[i] = are_summed ? totals[digit] : 0;
+        for (uint other = 0; !are_summed && other < tiles; ++other) {
+            const uint of_tile = counts[digit * tiles + other];
+            own[i] += other < tile ? of_tile : 0;
+            all[i] += of_tile;
+        }
+        before += all[i];
+    }
+    before = sum_before(before, sums);
+#pragma unroll
+    for (uint i = 0; i < DIGITS_EACH; ++i) {
+        places[item * DIGITS_EACH + i] = before + own[i];
+        before += all[i];
     }
     for (uint i = item; i < end; i += GROUP) {
         const uint digit = words[SPREAD(i)] >> DIGIT_SHIFT;

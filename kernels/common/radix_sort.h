@@ -7,5 +7,7 @@
 #define CLSDF_RADIX_DIGITS 256
 // Keys of a work-group.
 #define CLSDF_RADIX_TILE 2048
+// So many tiles are few.
+#define CLSDF_FEW_RADIX_TILES 128
 
 #endif

@@ -106,7 +106,7 @@ foreach(call first_call second_transform)
   of(up ${call} bytes_up)
   math(EXPR arrays "12 * 32768 + 24 * 16386")  # triangles and vertices of the sphere
   math(EXPR up "${up} - ${arrays}")
-  if(commands GREATER 110 OR launches GREATER 64 OR waits GREATER 5 OR pageable GREATER 131072 OR up GREATER 65536)
+  if(commands GREATER 100 OR launches GREATER 56 OR waits GREATER 5 OR pageable GREATER 131072 OR up GREATER 65536)
     message(SEND_ERROR "${call}: ${commands} commands beside ${pieces} pieces of the field, ${launches} launches, "
                        "${waits} waits, ${pageable} bytes of memory that is not pinned, ${up} bytes to the device beside "
                        "the mesh's arrays")

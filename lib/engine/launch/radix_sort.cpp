@@ -44,14 +44,17 @@ void sort_by_keys(const Launches& launches, const Programs& programs, const Sort
     const cl::Program program = programs.radix_sort;
     const WorkItems of_tiles{tiles * group, group}, of_digits{CLSDF_RADIX_DIGITS * group, group};
     const auto keys_count = static_cast<cl_uint>(count);
+    const bool are_summed = programs.body != KernelBody::by_group || tiles > CLSDF_FEW_RADIX_TILES;
     for (std::size_t pass = 0; pass < passes; ++pass) {
         const auto shift = static_cast<cl_uint>(pass * CLSDF_RADIX_BITS);
         const std::size_t from = pass % 2, to = 1 - from;
         launches.launch(program, "radix_count", of_tiles, keys_count, shift, keys_of[from], *memory.counts);
-        launches.launch(program, "radix_sums", of_digits, static_cast<cl_uint>(tiles), *memory.counts, *memory.totals);
+        if (are_summed)
+            launches.launch(program, "radix_sums", of_digits, static_cast<cl_uint>(tiles), *memory.counts,
+                            *memory.totals);
         launches.launch(program, "radix_place", of_tiles, keys_count, shift, cl_uint{pass == 0},
-                        cl_uint{pass + 1 == passes}, *memory.counts, *memory.totals, keys_of[from], values_of[from],
-                        keys_of[to], values_of[to]);
+                        cl_uint{pass + 1 == passes}, cl_uint{are_summed}, *memory.counts, *memory.totals, keys_of[from],
+                        values_of[from], keys_of[to], values_of[to]);
     }
 }
 
