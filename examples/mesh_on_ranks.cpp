@@ -172,6 +172,28 @@ private:
     std::span<std::byte> bytes_;
 };
 
+/// Calls use(transform) on all ranks, with one prepared mesh for those of a node: that of `whole`, which the first rank
+/// of each has, and which ends here. Returns its bytes. If a rank fails, all of them throw, for the end of the memory
+/// needs them all.
+template <class Use>
+std::size_t with_shared_mesh(const clsdf::Device& device, std::optional<clsdf::DistanceTransform>& whole,
+                             const Use& use) {
+    std::size_t prepared = 0;
+    on_all(MPI_COMM_WORLD, [&] {
+        if (whole) prepared = whole->prepared_bytes();
+    });
+    const NodeMemory memory(prepared);
+    on_all(MPI_COMM_WORLD, [&] {
+        if (whole) whole->share(memory.bytes());
+    });
+    memory.fence();
+    whole.reset();
+    std::optional<clsdf::DistanceTransform> mine;  // ends before the memory
+    on_all(MPI_COMM_WORLD, [&] { mine = clsdf::DistanceTransform::from_shared(device, memory.bytes()); });
+    on_all(MPI_COMM_WORLD, [&] { use(*mine); });
+    return memory.bytes().size();
+}
+
 /// For tests.
 void fail(const std::string& fault, clsdf::Mesh& mesh) {
     if (fault == "throw") throw clsdf::Error(clsdf::ErrorCode::out_of_memory, "a failure of one rank");
@@ -221,31 +243,23 @@ void run(const std::string& path, const std::string& fault) {
     on_all(MPI_COMM_WORLD, [&] { transform->compute(part, band, distance); });
 
     // One prepared mesh for all ranks of a node. Its first rank alone makes a transform of the mesh.
-    std::size_t prepared = 0;
+    if (node.rank != 0) transform.reset();
+    std::vector<float> again(part.sample_count());
+    const std::size_t shared = with_shared_mesh(
+        *device, transform, [&](const clsdf::DistanceTransform& mine) { mine.compute(part, band, again); });
     on_all(MPI_COMM_WORLD, [&] {
-        if (node.rank == 0) prepared = transform->prepared_bytes();
-    });
-    const NodeMemory memory(prepared);
-    on_all(MPI_COMM_WORLD, [&] {
-        if (node.rank == 0) transform->share(memory.bytes());
-    });
-    memory.fence();
-    transform.reset();
-    on_all(MPI_COMM_WORLD, [&] { transform = clsdf::DistanceTransform::from_shared(*device, memory.bytes()); });
-    on_all(MPI_COMM_WORLD, [&] {
-        std::vector<float> again(part.sample_count());
-        transform->compute(part, band, again);
         if (again != distance) throw std::runtime_error("the field of shared memory is not that of the mesh");
     });
-    std::printf("rank %d: a prepared mesh of %zu bytes in memory of the node\n", world.rank, memory.bytes().size());
+    std::printf("rank %d: a prepared mesh of %zu bytes in memory of the node\n", world.rank, shared);
 
     // The same by a part of the mesh. A program whose ranks take parts makes a transform of the mesh on rank 0 alone.
-    if (world.rank != 0) transform.reset();
+    on_all(MPI_COMM_WORLD, [&] {
+        if (world.rank == 0) transform.emplace(*device, mesh);
+    });
     const clsdf::Region region{part.box(), band.outside, whole.voxel()};
     const std::vector<std::byte> bytes = part_of_rank(MPI_COMM_WORLD, transform ? &*transform : nullptr, region);
     transform.reset();
     on_all(MPI_COMM_WORLD, [&] {
-        std::vector<float> again(part.sample_count());
         clsdf::DistanceTransform::from_part(*device, bytes).compute(part, band, again);
         if (again != distance) throw std::runtime_error("the field of the part is not that of the mesh");
     });

@@ -184,7 +184,7 @@ static inline void store_frame(__global const Polyhedron* polyhedron, __global c
         placed->foot[axis] = convert_uint_sat_rte(foot * (double)CLSDF_FOOT_UNIT);
     }
     const float right = (float)polyhedron->exact_base[CLSDF_HALF_RIGHT];
-    placed->right = is_followed ? -right : right;
+    placed->right = as_float(as_uint(right) | (is_followed ? 0x80000000u : 0u));
     placed->left = (float)polyhedron->exact_base[CLSDF_HALF_LEFT];
     placed->altitude = (float)polyhedron->exact_altitude;
     store_turn((double3)(axes[0][0], axes[1][0], axes[2][0]), (double3)(axes[0][1], axes[1][1], axes[2][1]),

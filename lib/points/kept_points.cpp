@@ -6,9 +6,11 @@
 namespace clsdf::points {
 
 void KeptPoints::set_borrowed(engine::PointMesh mesh, engine::WideLeaves leaves, FaceSides sides) {
-    complete(mesh);
     wide_tree_.set(leaves.tree);
-    if (mesh.polyhedra) mesh_.set(std::make_shared<const engine::PointMesh>(std::move(mesh)));
+    if (mesh.polyhedra) {
+        complete(mesh);
+        mesh_.set(std::make_shared<const engine::PointMesh>(std::move(mesh)));
+    }
     wide_leaves_.set(std::make_shared<const engine::WideLeaves>(std::move(leaves)));
     if ((*sides.sides)() != nullptr) face_sides_.set(std::make_shared<const FaceSides>(std::move(sides)));
 }

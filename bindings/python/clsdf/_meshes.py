@@ -146,7 +146,9 @@ def _three(name: str, values: Any) -> tuple[float, float, float]:
 
 def _refuse_options(body: Any) -> None:
     """A transform is taken as its mesh, without what it was told about the sign."""
-    _, _, sign, _, floor, surface = body._made_of
+    first, _, sign, _, floor, surface = body._made_of
+    if first is None:  # a part, or of shared memory: its vertices say so
+        return
     told = [f"{name}={value!r}" for name, value, usual in
             (("sign", sign, "auto"), ("floor", floor, None), ("surface", surface, "given")) if value != usual]
     if told:

@@ -349,6 +349,8 @@ class Transform(WithFields):
         dtype: npt.DTypeLike | None,
     ) -> Field:
         geometry = _images.geometry_of(image)
+        if self._memory is not None:
+            self._check_mesh()
         if self.sign == "below" or self._regions is not None or self._made_of[0] is None:
             raise Error("image: a terrain, whose walls are along z, and a restricted transform have fields of grids alone",
                         "unsupported")
