@@ -624,10 +624,13 @@ def test_processes_share_a_transform(body, points, tmp_path):
             "resource_tracker.unregister(memory._name, 'shared_memory')  # which the other process removes\n"
             "body = clsdf.Transform.from_shared(memory.buf)\n"
             "np.save(sys.argv[3], body.query(np.load(sys.argv[2])).distance)\n"
+            "del body\n"
         )
         np.save(tmp_path / "points.npy", points)
         subprocess.run(
-            [sys.executable, "-c", program, memory.name, tmp_path / "points.npy", tmp_path / "found.npy"], check=True
+            [sys.executable, "-c", program, memory.name, tmp_path / "points.npy", tmp_path / "found.npy"],
+            check=True,
+            cwd=tmp_path,
         )
         assert np.array_equal(np.load(tmp_path / "found.npy"), expected.distance)
         with pytest.raises(clsdf.Error, match="neither copied nor pickled") as error:
@@ -635,7 +638,7 @@ def test_processes_share_a_transform(body, points, tmp_path):
         assert error.value.code == "unsupported"
         with pytest.raises(clsdf.Error, match="made by from_shared.* has no mesh"):
             read.vertices
-        del read, found
+        del read, found, error  # whose traceback has the transform, too
     finally:
         memory.close()
         memory.unlink()
