@@ -20,7 +20,7 @@ CLSDF_SEVERAL_TARGETS void add_turns(const LatticeCorner* corners, std::size_t c
         Seen first, from;
         Vector re, im, halves;
     };
-    constexpr Vector zero{}, one = zero + 1;
+    const Vector zero{}, one = zero + 1;
     std::array<Row, lanes> rows;
     Vector offsets;
     for (std::size_t l = 0; l < lanes; ++l) offsets[l] = place.x + static_cast<double>(l);
