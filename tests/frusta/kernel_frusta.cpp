@@ -36,7 +36,7 @@ struct BothFrusta {
 };
 
 template <class Value>
-bool are_same(const UninitializedVector<Value>& a, const std::vector<Value>& b) {
+bool are_same(const KeptArray<Value>& a, const std::vector<Value>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
 }
 
