@@ -265,7 +265,7 @@ BOOST_AUTO_TEST_CASE(writes_the_outer_surface_of_several_files) {
     check_refused(
         run_command({"outer", folder.file("sheet.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "-o", output},
                     no_devices),
-        2, {"sheet.off", "close the mesh"});
+        2, {"sheet.off", "closed mesh"});
 }
 
 BOOST_AUTO_TEST_CASE(closes_a_terrain_by_walls_and_a_floor) {
