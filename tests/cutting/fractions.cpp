@@ -470,7 +470,7 @@ BOOST_AUTO_TEST_CASE(a_grid_without_cells_is_refused) {
         fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {3, 3, 3}, {0, 0, 3000000000}});
     });
     // More bytes than a process has addresses.
-    check_throws(ErrorCode::out_of_memory, {"cells of the grids", "fraction_slabs()"}, [&] {
+    check_throws(ErrorCode::out_of_memory, {"cells of the grids", "take parts of them"}, [&] {
         fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {40000000, 40000000, 5}});
     });
     check_throws(ErrorCode::out_of_memory, {"cells of the grids"}, [&] {
