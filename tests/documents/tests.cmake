@@ -8,7 +8,7 @@ function(clsdf_documented_code page blocks label)
   set_tests_properties(code_of_${page} PROPERTIES LABELS ${label})
 endfunction()
 
-clsdf_documented_code(parallel 12 examples examples/mesh_on_ranks.cpp)
+clsdf_documented_code(parallel 11 examples examples/mesh_on_ranks.cpp)
 clsdf_documented_code(scenes 5 examples examples/links_of_an_arm.cpp examples/rotor_and_stator.cpp)  # and programs in Python
 clsdf_documented_code(petsc 4 integrations integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c
                       integrations/petsc/examples/dmda.F90 integrations/petsc/tests/dmda_test.cpp)
