@@ -63,8 +63,8 @@ typedef struct PlacedDistance {
 //   off by 1/2 at most. So the face is turned about its foot by less than 2 * sqrt(3/4) / 32767 = 5.3e-5, and its
 //   points move by less than that times the length of the base. Its other lengths are rounded by u: u R. What follows
 //   is about the face of the rounded numbers.
-// - Coordinates from the foot have 2 u D: both parts of the foot are floats, as are both of a point. What this leaves
-//   out is below 1e-11 unit, or below u^2 D.
+// - Coordinates from the foot have 2 u D: both parts of the foot are floats, as are both of a point. The rest
+//   is below 1e-11 unit, or below u^2 D.
 // - The turn of d is d + 2 / |q|^2 (w t + v x t), with v = (x, y, z) and t = v x d. As vectors, t has an error of
 //   2 sqrt(2) u |v| |d|. It becomes 6.9 u |d|, as 2 (|w| + |v|) |v| <= (1 + sqrt(2)) |q|^2. The sum in brackets has 3 u
 //   of its parts' sizes, 9.5 u |d|. The factor has 9 u, of which 4 u are for squares and sums, and 2.5 ulp for the

@@ -127,13 +127,13 @@ def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
     )
 
 
-def _number(name: str, value: Any, unit: str) -> float:
+def number_of(name: str, value: Any, unit: str) -> float:
     try:
         if isinstance(value, (str, bool)):
             raise TypeError
         return float(value)
     except (TypeError, ValueError):
-        raise Error(f"{name}: {repr(value)[:100]} is no number, {unit}") from None
+        raise Error(f"{name}: {repr(value)[:100]} is not a number, {unit}") from None
 
 
 def _three(name: str, values: Any) -> tuple[float, float, float]:
@@ -282,10 +282,10 @@ def read_mesh(
     there is not."""
     paths = [os.fspath(name) for name in (path, *more)]
     vertices, faces, groups = _core.read_mesh(
-        paths, _number("scale", scale, "as 0.001, which makes metres of millimetres"), _three("translate", translate), up,
+        paths, number_of("scale", scale, "as 0.001, which makes metres of millimetres"), _three("translate", translate), up,
         _three("rotate", rotate), group_by, skip_bad_facets,
     )  # fmt: skip
-    tolerance = _number("weld", weld, "in the units of the mesh")
+    tolerance = number_of("weld", weld, "in the units of the mesh")
     if tolerance != 0:
         vertices, faces = _core.weld(vertices, faces, tolerance)
     mesh = Mesh(vertices, faces, name=" + ".join(os.path.basename(os.fsdecode(name)) for name in paths))
@@ -309,7 +309,7 @@ def weld(mesh: MeshLike, tolerance: float = 0.0) -> Mesh:
     how many faces lose their area, as those of a wall that is thinner than the tolerance. The groups of a Mesh stay.
     mesh: as for mesh_hash()."""
     vertices, faces, name = arrays_of(mesh)
-    welded = Mesh(*_core.weld(vertices, faces, _number("tolerance", tolerance, "in the units of the mesh")), name=name)
+    welded = Mesh(*_core.weld(vertices, faces, number_of("tolerance", tolerance, "in the units of the mesh")), name=name)
     if isinstance(mesh, Mesh):
         welded.groups = mesh.groups
     return welded
@@ -321,7 +321,7 @@ def close_down(mesh: MeshLike, floor: float) -> Mesh:
     (invalid_mesh) if a face looks down or if the rim overlaps itself, seen from above; (invalid_argument) if the floor
     is not below all vertices. mesh: as for mesh_hash()."""
     vertices, faces, name = arrays_of(mesh)
-    return Mesh(*_core.close_down(vertices, faces, _number("floor", floor, "the z of the floor")), name=name)
+    return Mesh(*_core.close_down(vertices, faces, number_of("floor", floor, "the z of the floor")), name=name)
 
 
 class OuterSurface(NamedTuple):

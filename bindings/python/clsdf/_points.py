@@ -117,14 +117,7 @@ def _address(array: Any) -> Any:
 
 
 def limit_of(value: float | None, name: str = "within", unit: str = "the mesh's units") -> float:
-    if value is None:
-        return math.inf
-    try:
-        if isinstance(value, (str, bool)):
-            raise TypeError
-        return float(value)
-    except (TypeError, ValueError):
-        raise Error(f"{name}: {repr(value)[:100]} is not a number, in {unit}; None is no limit") from None
+    return math.inf if value is None else _meshes.number_of(name, value, f"in {unit}; None is no limit")
 
 
 def limits_of(within: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64] | float:

@@ -11,6 +11,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/npy_header.cpp
           ${CMAKE_CURRENT_LIST_DIR}/placement.cpp
           ${CMAKE_CURRENT_LIST_DIR}/ply_header.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/point_arrays.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/polygons.cpp
           ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
