@@ -60,6 +60,16 @@ debian_mirror() {
     echo "$mirror"
 }
 
+# fetch_source POOL/FILE SHA256 FOLDER downloads a source of Debian's archive, as o/onetbb/onetbb_2021.8.0.orig.tar.xz, from the
+# archives that apt is configured for. It fails if none of them has it, or another one.
+fetch_source() {
+    local archive
+    for archive in $(apt-get update --print-uris 2>/dev/null | sed -nE "s|^'(.*)/dists/.*/(In)?Release'.*|\1|p" | uniq); do
+        ! /usr/lib/apt/apt-helper download-file "$archive/pool/main/$1" "$3/${1##*/}" "SHA256:$2" >/dev/null 2>&1 || return 0
+    done
+    return 1
+}
+
 # clang_14 PROGRAM prints the name of version 14 of clang-format or clang-tidy: results of other versions differ.
 clang_14() {
     local version

@@ -1,0 +1,144 @@
+#!/usr/bin/env bash
+# Makes what a wheel for older systems is linked with: a toolchain file of CMake with which this machine's g++ links programs
+# and libraries that start with glibc 2.28 and the C++ library of GCC 8 (Debian 10, RHEL 8, Ubuntu 20.04, and later), and the
+# libraries that Debian has for its own glibc only, linked so.
+#
+#   packaging/old_glibc.bash FOLDER [VENV]     (VENV: an environment of Python with ziglang; default: one is made)
+#
+#   FOLDER/toolchain.cmake       for -DCMAKE_TOOLCHAIN_FILE
+#   FOLDER/toolchain             the same for configure scripts: to be sourced, it sets LDFLAGS
+#   FOLDER/installed             oneTBB, fmt, HDF5 and the loader of OpenCL, for CMAKE_PREFIX_PATH
+#   FOLDER/sources               what they are made of: a line with the library's and the archive's name
+#
+# The C library's side is zig's: it has lists of the symbols of all versions of glibc, and writes libraries of names and the
+# start of programs for 2.28. The compiler, the headers and the C++ library are this machine's. What a program needs of a
+# C++ library after GCC 8 is linked into it, by the members of libstdc++.a that have it; all else remains that of the
+# system, so that exceptions and streams pass between the wheel's libraries and a user's program. Red Hat's newer
+# compilers for RHEL 8 do the same. The script needs root for packages that are missing, PyPI, and three minutes.
+set -euo pipefail
+. "$(dirname "$0")/../scripts/common.bash"
+[ $# -ge 1 ] && [ $# -le 2 ] && [[ $1 != -* ]] || usage
+folder=$(realpath -m -- "$1")
+venv=${2-}
+version=2.28
+# Functions of the C++ library after GCC 8 that clsdf and oneTBB use: paths and files, numbers from text, string streams,
+# exceptions kept for later, and what the headers of containers call.
+members=(fs_dir.o fs_ops.o fs_path.o floating_from_chars.o sstream-inst.o functexcept.o eh_ptr.o)
+cannot() {
+    echo "old_glibc: $*" >&2
+    exit 2
+}
+[ "$(uname -sm)" = "Linux x86_64" ] || cannot "links for x86-64 only"
+
+install_packages() {
+    local package missing=()
+    for package in cmake g++ ninja-build make ruby autoconf automake libtool zlib1g-dev libaec-dev; do
+        is_installed $package || missing+=($package)
+    done
+    [ ${#missing[@]} -gt 0 ] || return 0
+    [ "$(id -u)" -eq 0 ] || cannot "needs ${missing[*]}"
+    { apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends "${missing[@]}"; } \
+        </dev/null >/dev/null || cannot "could not install ${missing[*]}"
+}
+
+state() { { cat "${BASH_SOURCE[0]}" && gcc --version && dpkg-query -W libc6-dev; } | sha256sum; }
+if [ "$(cat "$folder/complete" 2>/dev/null)" = "$(state)" ]; then exit 0; fi
+rm -rf "$folder"
+mkdir -p "$folder/lib"
+
+# C: names of glibc, the start of programs, and what glibc 2.28 links into each program (stat, atexit).
+make_c_library() {
+    if [ -z "$venv" ]; then
+        venv=$folder/venv
+        /usr/bin/python3 -m venv "$venv" && "$venv/bin/pip" --disable-pip-version-check -q install ziglang ||
+            exit 125
+    fi
+    local kind
+    echo 'int main(void) { return 0; }' >"$folder/main.c"
+    for kind in "-fPIE -pie" "-fno-PIE -no-pie"; do
+        # shellcheck disable=SC2086
+        ZIG_GLOBAL_CACHE_DIR=$folder/zig ZIG_LOCAL_CACHE_DIR=$folder/zig "$venv/bin/python" -m ziglang cc $kind \
+            -target x86_64-linux-gnu.$version "$folder/main.c" -o "$folder/main"
+    done
+    find "$folder/zig" \( -name 'lib*.so.*' -o -name '*crt1.o' -o -name libc_nonshared.a \) -exec mv -t "$folder/lib" {} +
+    rm -r "$folder/zig"
+    # Headers of the C++ library read it to spare atomic operations in programs of one thread. Glibc has it since 2.32.
+    echo '__attribute__((visibility("hidden"))) char __libc_single_threaded = 0;' >"$folder/main.c"
+    gcc -c -O2 -fPIC "$folder/main.c" -o "$folder/lib/single_threaded.o"
+    ar r "$folder/lib/libc_nonshared.a" "$folder/lib/single_threaded.o" 2>/dev/null
+    rm "$folder"/main*
+    local loader=/lib64/ld-linux-x86-64.so.2
+    echo "GROUP(libc.so.6 libc_nonshared.a AS_NEEDED(libpthread.so.0 libdl.so.2 librt.so.1 $loader))" >"$folder/lib/libc.so"
+    echo "INPUT(libm.so.6)" >"$folder/lib/libm.so"
+    echo "INPUT(libpthread.so.0)" >"$folder/lib/libpthread.so"
+    echo "INPUT(libdl.so.2)" >"$folder/lib/libdl.so"
+    echo "INPUT(librt.so.1)" >"$folder/lib/librt.so"
+}
+
+make_cxx_library() {
+    local own
+    own=$(realpath "$(g++ -print-file-name=libstdc++.so)")
+    (cd "$folder/lib" && ar x "$(g++ -print-file-name=libstdc++.a)" "${members[@]}" && ar rcs libstdc++_new.a "${members[@]}")
+    echo "INPUT(libstdc++_new.a $own)" >"$folder/lib/libstdc++.so"
+}
+
+write_toolchain() {
+    # -B: the start of programs is there. This machine's C++ library needs names of a later glibc than that of FOLDER.
+    local shared="-B$folder/lib -L$folder/lib -Wl,--exclude-libs,libstdc++_new.a"
+    cat >"$folder/toolchain.cmake" <<END
+set(CMAKE_SHARED_LINKER_FLAGS_INIT "$shared")
+set(CMAKE_MODULE_LINKER_FLAGS_INIT "$shared")
+set(CMAKE_EXE_LINKER_FLAGS_INIT "$shared -Wl,--allow-shlib-undefined")
+list(PREPEND CMAKE_PREFIX_PATH "$folder/installed")
+END
+    echo "export LDFLAGS='$shared -Wl,--allow-shlib-undefined'" >"$folder/toolchain"
+}
+
+# unpack NAME POOL/FILE SHA256: the folder NAME has the sources of a library.
+unpack() {
+    mkdir -p "$folder/$1"
+    fetch_source "$2" "$3" "$folder" || {
+        echo "old_glibc: the archives of apt have no ${2##*/} with the SHA256 $3" >&2
+        exit 125
+    }
+    tar -xf "$folder/${2##*/}" -C "$folder/$1" --strip-components=1
+    rm "$folder/${2##*/}"
+    echo "$1 ${2##*/}" >>"$folder/sources"
+}
+build() {
+    local name=$1
+    shift
+    # HDF5's tests of compilers leave files in the working folder, and read them in that of the build.
+    mkdir "$folder/$name/build" &&
+        env -C "$folder/$name/build" cmake .. -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON \
+        -DCMAKE_INSTALL_PREFIX="$folder/installed" -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_TOOLCHAIN_FILE="$folder/toolchain.cmake" \
+        -DCMAKE_C_COMPILER_LAUNCHER="$launcher" -DCMAKE_CXX_COMPILER_LAUNCHER="$launcher" "$@" &&
+        cmake --build "$folder/$name/build" -j 2 && cmake --install "$folder/$name/build"
+}
+
+make_libraries() {
+    local launcher
+    launcher=$(command -v ccache || true)
+    unpack onetbb o/onetbb/onetbb_2021.8.0.orig.tar.xz 7e9111b8bb59c8800bf6d0b06afe7b0891937443d2dae1ee1101c8e2ede6a7ef
+    unpack fmtlib f/fmtlib/fmtlib_9.1.0+ds1.orig.tar.gz 84ce1c2d0be3a9863935137969dcec6970125caac032f82474640bfc81463583
+    unpack hdf5 h/hdf5/hdf5_1.10.8+repack1.orig.tar.gz 7b38e58ff83b13fd8959a90b13bf896bc318ba096c940ab0847abf3ad41a0b31
+    unpack ocl-icd o/ocl-icd/ocl-icd_2.3.4.orig.tar.gz 1a302b71b7304cca5a36f69d017b1af2b762cc4c2dd1c0c0e2fc1933db25c9cc
+    {
+        build onetbb -DTBB_TEST=OFF -DTBBMALLOC_BUILD=OFF -DTBB_DISABLE_HWLOC_AUTOMATIC_SEARCH=ON &&
+            build fmtlib -DFMT_DOC=OFF -DFMT_TEST=OFF &&
+            build hdf5 -DBUILD_STATIC_LIBS=OFF -DBUILD_TESTING=OFF -DHDF5_BUILD_TOOLS=OFF -DHDF5_BUILD_EXAMPLES=OFF \
+                -DHDF5_BUILD_HL_LIB=OFF -DHDF5_BUILD_CPP_LIB=OFF -DHDF5_ENABLE_Z_LIB_SUPPORT=ON -DHDF5_ENABLE_SZIP_SUPPORT=ON -DHDF5_ENABLE_SZIP_ENCODING=ON &&
+            (
+                . "$folder/toolchain"
+                cd "$folder/ocl-icd" && ./bootstrap && CC="$launcher gcc" ./configure --prefix="$folder/installed" && make -j 2 &&
+                    make install
+            )
+    } >"$folder/log" 2>&1 || cannot "the libraries could not be built; what was said: $folder/log"
+}
+
+install_packages
+make_c_library
+make_cxx_library
+write_toolchain
+make_libraries
+state >"$folder/complete"
