@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes what a wheel for older systems is linked with: a toolchain file of CMake with which this machine's g++ links programs
 # and libraries that start with glibc 2.28 and the C++ library of GCC 8 (Debian 10, RHEL 8, Ubuntu 20.04, and later), and the
-# libraries that Debian has for its own glibc only, linked so.
+# libraries that Debian has for its own glibc only, linked so: on x86-64 and aarch64, by the compilers CC and CXX.
 #
 #   packaging/old_glibc.bash FOLDER [VENV]     (VENV: an environment of Python with ziglang; default: one is made)
 #
@@ -20,6 +20,8 @@ set -euo pipefail
 [ $# -ge 1 ] && [ $# -le 2 ] && [[ $1 != -* ]] || usage
 folder=$(realpath -m -- "$1")
 venv=${2-}
+cc=${CC:-gcc}
+cxx=${CXX:-g++}
 version=2.28
 # Functions of the C++ library after GCC 8 that clsdf and oneTBB use: paths and files, numbers from text, string streams,
 # exceptions kept for later, and what the headers of containers call.
@@ -28,11 +30,16 @@ cannot() {
     echo "old_glibc: $*" >&2
     exit 2
 }
-[ "$(uname -sm)" = "Linux x86_64" ] || cannot "links for x86-64 only"
+machine=$(uname -m)
+case $machine in
+    x86_64) loader=/lib64/ld-linux-x86-64.so.2 ;;
+    aarch64) loader=/lib/ld-linux-aarch64.so.1 ;;
+    *) cannot "links for x86-64 and aarch64 only, and this is $machine" ;;
+esac
 
 install_packages() {
     local package missing=()
-    for package in cmake g++ ninja-build make ruby autoconf automake libtool zlib1g-dev libaec-dev; do
+    for package in cmake ninja-build make ruby autoconf automake libtool zlib1g-dev libaec-dev; do
         is_installed $package || missing+=($package)
     done
     [ ${#missing[@]} -gt 0 ] || return 0
@@ -41,7 +48,7 @@ install_packages() {
         </dev/null >/dev/null || cannot "could not install ${missing[*]}"
 }
 
-state() { { cat "${BASH_SOURCE[0]}" && gcc --version && dpkg-query -W libc6-dev; } | sha256sum; }
+state() { { cat "${BASH_SOURCE[0]}" && "$cxx" --version && dpkg-query -W libc6-dev; } | sha256sum; }
 if [ "$(cat "$folder/complete" 2>/dev/null)" = "$(state)" ]; then exit 0; fi
 rm -rf "$folder"
 mkdir -p "$folder/lib"
@@ -58,16 +65,15 @@ make_c_library() {
     for kind in "-fPIE -pie" "-fno-PIE -no-pie"; do
         # shellcheck disable=SC2086
         ZIG_GLOBAL_CACHE_DIR=$folder/zig ZIG_LOCAL_CACHE_DIR=$folder/zig "$venv/bin/python" -m ziglang cc $kind \
-            -target x86_64-linux-gnu.$version "$folder/main.c" -o "$folder/main"
+            -target $machine-linux-gnu.$version "$folder/main.c" -o "$folder/main"
     done
     find "$folder/zig" \( -name 'lib*.so.*' -o -name '*crt1.o' -o -name libc_nonshared.a \) -exec mv -t "$folder/lib" {} +
     rm -r "$folder/zig"
     # Headers of the C++ library read it to spare atomic operations in programs of one thread. Glibc has it since 2.32.
     echo '__attribute__((visibility("hidden"))) char __libc_single_threaded = 0;' >"$folder/main.c"
-    gcc -c -O2 -fPIC "$folder/main.c" -o "$folder/lib/single_threaded.o"
+    "$cc" -c -O2 -fPIC "$folder/main.c" -o "$folder/lib/single_threaded.o"
     ar r "$folder/lib/libc_nonshared.a" "$folder/lib/single_threaded.o" 2>/dev/null
     rm "$folder"/main*
-    local loader=/lib64/ld-linux-x86-64.so.2
     echo "GROUP(libc.so.6 libc_nonshared.a AS_NEEDED(libpthread.so.0 libdl.so.2 librt.so.1 $loader))" >"$folder/lib/libc.so"
     echo "INPUT(libm.so.6)" >"$folder/lib/libm.so"
     echo "INPUT(libpthread.so.0)" >"$folder/lib/libpthread.so"
@@ -77,8 +83,8 @@ make_c_library() {
 
 make_cxx_library() {
     local own
-    own=$(realpath "$(g++ -print-file-name=libstdc++.so)")
-    (cd "$folder/lib" && ar x "$(g++ -print-file-name=libstdc++.a)" "${members[@]}" && ar rcs libstdc++_new.a "${members[@]}")
+    own=$(realpath "$("$cxx" -print-file-name=libstdc++.so)")
+    (cd "$folder/lib" && ar x "$("$cxx" -print-file-name=libstdc++.a)" "${members[@]}" && ar rcs libstdc++_new.a "${members[@]}")
     echo "INPUT(libstdc++_new.a $own)" >"$folder/lib/libstdc++.so"
 }
 
@@ -130,7 +136,7 @@ make_libraries() {
                 -DHDF5_BUILD_HL_LIB=OFF -DHDF5_BUILD_CPP_LIB=OFF -DHDF5_ENABLE_Z_LIB_SUPPORT=ON -DHDF5_ENABLE_SZIP_SUPPORT=ON -DHDF5_ENABLE_SZIP_ENCODING=ON &&
             (
                 . "$folder/toolchain"
-                cd "$folder/ocl-icd" && ./bootstrap && CC="$launcher gcc" ./configure --prefix="$folder/installed" && make -j 2 &&
+                cd "$folder/ocl-icd" && ./bootstrap && CC="$launcher $cc" ./configure --prefix="$folder/installed" && make -j 2 &&
                     make install
             )
     } >"$folder/log" 2>&1 || cannot "the libraries could not be built; what was said: $folder/log"
