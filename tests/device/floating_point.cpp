@@ -17,10 +17,14 @@ BOOST_AUTO_TEST_CASE(a_solver_that_traps_exceptions_can_make_a_device_and_comput
     std::fenv_t environment;
     std::fegetenv(&environment);
     feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
+    const int trapped = fegetexcept();  // most processors of Arm trap nothing
+#ifdef __x86_64__
+    BOOST_TEST_REQUIRE(trapped == (FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW));
+#endif
     std::fesetround(FE_UPWARD);
     const Device device = Device::strongest();
     BOOST_TEST(std::fegetround() == FE_UPWARD);
-    BOOST_TEST(fegetexcept() == (FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW));
+    BOOST_TEST(fegetexcept() == trapped);
     std::fesetround(FE_TONEAREST);
 
     for (const char* const shape : {"stairs", "needle"}) {
