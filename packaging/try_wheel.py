@@ -8,6 +8,7 @@ nothing    without any driver, the error says what to install
 
 from __future__ import annotations
 
+import platform
 import re
 import sys
 import time
@@ -49,7 +50,9 @@ def try_page(sources: Path, file: str) -> None:
     error = np.abs(f.distance.reshape(-1)[some] - within).max()
     assert error < 2e-6, f"the field differs from brute force by {error}"
     assert (np.abs(exact) < f.band.outside).sum() > 20
-    assert processor_seconds < 2, f"import and field took {processor_seconds:.2f} s of the processor"
+    # An emulator's processor is that of the machine: times are worth nothing there.
+    emulated = platform.machine() == "aarch64" and "vendor_id" in Path("/proc/cpuinfo").read_text()
+    assert emulated or processor_seconds < 2, f"import and field took {processor_seconds:.2f} s of the processor"
     Path(file).write_bytes(bytes_of(names))
     print(f"   {seconds:.2f} s from import to field and query; error {error:.1e}")
 
