@@ -17,15 +17,16 @@
 # compilers for RHEL 8 do the same. The script needs root for packages that are missing, PyPI, and three minutes.
 set -euo pipefail
 . "$(dirname "$0")/../scripts/common.bash"
+sources=$(cd "$(dirname "$0")" && pwd)
 [ $# -ge 1 ] && [ $# -le 2 ] && [[ $1 != -* ]] || usage
 folder=$(realpath -m -- "$1")
 venv=${2-}
 cc=${CC:-gcc}
 cxx=${CXX:-g++}
 version=2.28
-# Functions of the C++ library after GCC 8 that clsdf and oneTBB use: paths and files, numbers from text, string streams,
-# exceptions kept for later, and what the headers of containers call.
-members=(fs_dir.o fs_ops.o fs_path.o floating_from_chars.o sstream-inst.o functexcept.o eh_ptr.o)
+# Functions of the C++ library after GCC 8 that clsdf uses: paths and files, numbers from text, string streams, and what
+# the headers of containers call. packaging/old_glibc.c has the rest.
+members=(fs_dir.o fs_ops.o fs_path.o floating_from_chars.o sstream-inst.o functexcept.o snprintf_lite.o)
 cannot() {
     echo "old_glibc: $*" >&2
     exit 2
@@ -48,7 +49,7 @@ install_packages() {
         </dev/null >/dev/null || cannot "could not install ${missing[*]}"
 }
 
-state() { { cat "${BASH_SOURCE[0]}" && "$cxx" --version && dpkg-query -W libc6-dev; } | sha256sum; }
+state() { { cat "$sources/old_glibc.bash" "$sources/old_glibc.c" && "$cxx" --version && dpkg-query -W libc6-dev; } | sha256sum; }
 if [ "$(cat "$folder/complete" 2>/dev/null)" = "$(state)" ]; then exit 0; fi
 rm -rf "$folder"
 mkdir -p "$folder/lib"
@@ -69,10 +70,6 @@ make_c_library() {
     done
     find "$folder/zig" \( -name 'lib*.so.*' -o -name '*crt1.o' -o -name libc_nonshared.a \) -exec mv -t "$folder/lib" {} +
     rm -r "$folder/zig"
-    # Headers of the C++ library read it to spare atomic operations in programs of one thread. Glibc has it since 2.32.
-    echo '__attribute__((visibility("hidden"))) char __libc_single_threaded = 0;' >"$folder/main.c"
-    "$cc" -c -O2 -fPIC "$folder/main.c" -o "$folder/lib/single_threaded.o"
-    ar r "$folder/lib/libc_nonshared.a" "$folder/lib/single_threaded.o" 2>/dev/null
     rm "$folder"/main*
     echo "GROUP(libc.so.6 libc_nonshared.a AS_NEEDED(libpthread.so.0 libdl.so.2 librt.so.1 $loader))" >"$folder/lib/libc.so"
     echo "INPUT(libm.so.6)" >"$folder/lib/libm.so"
@@ -84,7 +81,8 @@ make_c_library() {
 make_cxx_library() {
     local own
     own=$(realpath "$("$cxx" -print-file-name=libstdc++.so)")
-    (cd "$folder/lib" && ar x "$("$cxx" -print-file-name=libstdc++.a)" "${members[@]}" && ar rcs libstdc++_new.a "${members[@]}")
+    "$cc" -c -O2 -fPIC -Wall -Wextra "$sources/old_glibc.c" -o "$folder/lib/old_glibc.o"
+    (cd "$folder/lib" && ar x "$("$cxx" -print-file-name=libstdc++.a)" "${members[@]}" && ar rcs libstdc++_new.a old_glibc.o "${members[@]}")
     echo "INPUT(libstdc++_new.a $own)" >"$folder/lib/libstdc++.so"
 }
 
