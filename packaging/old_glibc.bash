@@ -40,7 +40,7 @@ esac
 
 install_packages() {
     local package missing=()
-    for package in cmake ninja-build make ruby autoconf automake libtool zlib1g-dev libaec-dev; do
+    for package in cmake ninja-build make ruby autoconf automake libtool zlib1g-dev libaec-dev xz-utils; do
         is_installed $package || missing+=($package)
     done
     [ ${#missing[@]} -gt 0 ] || return 0
