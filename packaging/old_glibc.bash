@@ -24,9 +24,10 @@ venv=${2-}
 cc=${CC:-gcc}
 cxx=${CXX:-g++}
 version=2.28
-# Functions of the C++ library after GCC 8 that clsdf uses: paths and files, numbers from text, string streams, and what
-# the headers of containers call. packaging/old_glibc.c has the rest.
-members=(fs_dir.o fs_ops.o fs_path.o floating_from_chars.o sstream-inst.o functexcept.o snprintf_lite.o)
+# Functions of the C++ library after GCC 8 that clsdf uses: paths and files, numbers from text, string streams, memory
+# resources, and what the headers of containers call. packaging/old_glibc.c has the rest.
+members=(fs_dir.o fs_ops.o fs_path.o floating_from_chars.o sstream-inst.o lt5-sstream-inst.o memory_resource.o functexcept.o
+    snprintf_lite.o)
 cannot() {
     echo "old_glibc: $*" >&2
     exit 2
@@ -61,13 +62,10 @@ make_c_library() {
         /usr/bin/python3 -m venv "$venv" && "$venv/bin/pip" --disable-pip-version-check -q install ziglang ||
             exit 125
     fi
-    local kind
     echo 'int main(void) { return 0; }' >"$folder/main.c"
-    for kind in "-fPIE -pie" "-fno-PIE -no-pie"; do
-        # shellcheck disable=SC2086
-        ZIG_GLOBAL_CACHE_DIR=$folder/zig ZIG_LOCAL_CACHE_DIR=$folder/zig "$venv/bin/python" -m ziglang cc $kind \
-            -target $machine-linux-gnu.$version "$folder/main.c" -o "$folder/main"
-    done
+    # Programs are position-independent, as g++ makes them here.
+    ZIG_GLOBAL_CACHE_DIR=$folder/zig ZIG_LOCAL_CACHE_DIR=$folder/zig "$venv/bin/python" -m ziglang cc -fPIE -pie \
+        -target $machine-linux-gnu.$version "$folder/main.c" -o "$folder/main"
     find "$folder/zig" \( -name 'lib*.so.*' -o -name '*crt1.o' -o -name libc_nonshared.a \) -exec mv -t "$folder/lib" {} +
     rm -r "$folder/zig"
     rm "$folder"/main*

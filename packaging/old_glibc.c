@@ -45,4 +45,14 @@ void remove_holder(void** pointer) {
     destroy_pointer(&copy);
 }
 
+/* The move of a std::runtime_error, since GCC 9: a copy, which shares the text. */
+#pragma GCC visibility push(default)
+void copy_error(void* to, const void* from) __asm__("_ZNSt13runtime_errorC2ERKS_");
+#pragma GCC visibility pop
+void move_error(void* to, void* from) __asm__("_ZNSt13runtime_errorC2EOS_");
+
+void move_error(void* to, void* from) {
+    copy_error(to, from);
+}
+
 #pragma GCC visibility pop
