@@ -26,7 +26,8 @@ function(clsdf_install_targets target component)
     LIBRARY COMPONENT ${component} NAMELINK_COMPONENT development
     ARCHIVE COMPONENT ${component}
     RUNTIME COMPONENT ${component}
-    FILE_SET HEADERS COMPONENT development)
+    FILE_SET HEADERS COMPONENT development
+    INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}) # for users' CMake before 3.23, which knows no file sets
   install(
     EXPORT ${target}Targets
     NAMESPACE clsdf::

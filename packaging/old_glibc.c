@@ -1,5 +1,5 @@
-/* What the headers of this machine's C and C++ libraries call and those of glibc 2.28 and GCC 8 do not have, by what they do
- * have. packaging/old_glibc.bash links it, hidden, into each program and library of a wheel. */
+/* What the headers of this machine's C and C++ libraries call and those of glibc 2.28 and GCC 8 do not have, by what
+ * they do have. packaging/old_glibc.bash links it, hidden, into each program and library of a wheel. */
 #include <pthread.h>
 #include <time.h>
 
@@ -26,7 +26,7 @@ int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, cl
     return pthread_cond_timedwait(condition, mutex, &time);
 }
 
-/* std::exception_ptr, a pointer, counts its holders by two functions since GCC 11; its constructor and destructor do both. */
+/* std::exception_ptr counts its holders by two functions since GCC 11. Its constructor and destructor do both. */
 #pragma GCC visibility push(default)
 void copy_pointer(void** to, void* const* from) __asm__("_ZNSt15__exception_ptr13exception_ptrC1ERKS0_");
 void destroy_pointer(void** pointer) __asm__("_ZNSt15__exception_ptr13exception_ptrD1Ev");
