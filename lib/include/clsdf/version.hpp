@@ -2,7 +2,7 @@
 
 // g++ 10 has another number for C++20, and another layout of std::span.
 #if __cplusplus < 202002L && !(defined(_MSVC_LANG) && _MSVC_LANG >= 202002L)
-#error "clsdf needs C++20: compile with -std=c++20 (with CMake, link clsdf::clsdf, which asks for it), by g++ 11 or later"
+#error "clsdf needs C++20: compile with -std=c++20 (with CMake, link clsdf::clsdf), by g++ 11 or later"
 #include <clsdf/needs_cxx20>  // no such file: the compiler stops here, with one message
 #endif
 
