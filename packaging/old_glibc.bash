@@ -15,6 +15,7 @@
 # C++ library after GCC 8 is linked into it, by the members of libstdc++.a that have it; all else remains that of the
 # system, so that exceptions and streams pass between the wheel's libraries and a user's program. Red Hat's newer
 # compilers for RHEL 8 do the same. The script needs root for packages that are missing, PyPI, and three minutes.
+# The exit status is 125 if packages, PyPI or sources cannot be had.
 set -euo pipefail
 . "$(dirname "$0")/../scripts/common.bash"
 sources=$(cd "$(dirname "$0")" && pwd)
@@ -32,6 +33,11 @@ cannot() {
     echo "old_glibc: $*" >&2
     exit 2
 }
+# Without packages, PyPI or sources nothing is wrong with this machine.
+unavailable() {
+    echo "old_glibc: needs $*" >&2
+    exit 125
+}
 machine=$(uname -m)
 case $machine in
     x86_64) loader=/lib64/ld-linux-x86-64.so.2 ;;
@@ -45,9 +51,9 @@ install_packages() {
         is_installed $package || missing+=($package)
     done
     [ ${#missing[@]} -gt 0 ] || return 0
-    [ "$(id -u)" -eq 0 ] || cannot "needs ${missing[*]}"
+    [ "$(id -u)" -eq 0 ] || unavailable "the packages ${missing[*]}"
     { apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends "${missing[@]}"; } \
-        </dev/null >/dev/null || cannot "could not install ${missing[*]}"
+        </dev/null >/dev/null || unavailable "the packages ${missing[*]}"
 }
 
 state() { { cat "$sources/old_glibc.bash" "$sources/old_glibc.c" && "$cxx" --version && dpkg-query -W libc6-dev; } | sha256sum; }
@@ -60,7 +66,7 @@ make_c_library() {
     if [ -z "$venv" ]; then
         venv=$folder/venv
         /usr/bin/python3 -m venv "$venv" && "$venv/bin/pip" --disable-pip-version-check -q install ziglang ||
-            exit 125
+            unavailable "python3-venv, or ziglang from PyPI"
     fi
     echo 'int main(void) { return 0; }' >"$folder/main.c"
     # Programs are position-independent, as g++ makes them here.
@@ -99,10 +105,7 @@ END
 # unpack NAME POOL/FILE SHA256: the folder NAME has the sources of a library.
 unpack() {
     mkdir -p "$folder/$1"
-    fetch_source "$2" "$3" "$folder" || {
-        echo "old_glibc: the archives of apt have no ${2##*/} with the SHA256 $3" >&2
-        exit 125
-    }
+    fetch_source "$2" "$3" "$folder" || unavailable "${2##*/} with the SHA256 $3, which no archive of apt has"
     tar -xf "$folder/${2##*/}" -C "$folder/$1" --strip-components=1
     rm "$folder/${2##*/}"
     echo "$1 ${2##*/}" >>"$folder/sources"
@@ -124,6 +127,7 @@ make_libraries() {
     unpack onetbb o/onetbb/onetbb_2021.8.0.orig.tar.xz 7e9111b8bb59c8800bf6d0b06afe7b0891937443d2dae1ee1101c8e2ede6a7ef
     unpack fmtlib f/fmtlib/fmtlib_9.1.0+ds1.orig.tar.gz 84ce1c2d0be3a9863935137969dcec6970125caac032f82474640bfc81463583
     unpack hdf5 h/hdf5/hdf5_1.10.8+repack1.orig.tar.gz 7b38e58ff83b13fd8959a90b13bf896bc318ba096c940ab0847abf3ad41a0b31
+    # The archives have Debian 12's own version, 2.3.1, no more.
     unpack ocl-icd o/ocl-icd/ocl-icd_2.3.4.orig.tar.gz 1a302b71b7304cca5a36f69d017b1af2b762cc4c2dd1c0c0e2fc1933db25c9cc
     {
         build onetbb -DTBB_TEST=OFF -DTBB_STRICT=OFF -DTBBMALLOC_BUILD=OFF -DTBB_DISABLE_HWLOC_AUTOMATIC_SEARCH=ON &&
