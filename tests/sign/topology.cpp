@@ -271,9 +271,11 @@ BOOST_AUTO_TEST_CASE(a_thousand_components_are_exact) {
     std::vector<Mesh> drops;
     drops.reserve(1000);
     Random random(7);
-    for (int i = 0; i < 1000; ++i)
-        drops.push_back(shifted(scaled(tilted(make_shape("sphere0"), random.uniform(0, 3)), random.uniform(0.01, 0.08)),
-                                random.point(-1, 1)));
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3 place = random.point(-1, 1);
+        const double size = random.uniform(0.01, 0.08), angle = random.uniform(0, 3);
+        drops.push_back(shifted(scaled(tilted(make_shape("sphere0"), angle), size), place));
+    }
     // Some lie within others.
     check_rule(together(drops, "a thousand drops"), SignRule::nonzero, "within others and look");
 }
