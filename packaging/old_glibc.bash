@@ -45,18 +45,9 @@ case $machine in
     *) cannot "links for x86-64 and aarch64 only, and this is $machine" ;;
 esac
 
-install_packages() {
-    local package missing=()
-    for package in cmake ninja-build make ruby autoconf automake libtool zlib1g-dev libaec-dev xz-utils; do
-        is_installed $package || missing+=($package)
-    done
-    [ ${#missing[@]} -gt 0 ] || return 0
-    [ "$(id -u)" -eq 0 ] || unavailable "the packages ${missing[*]}"
-    { apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends "${missing[@]}"; } \
-        </dev/null >/dev/null || unavailable "the packages ${missing[*]}"
+state() {
+    { cat "$sources/old_glibc.bash" "$sources/old_glibc.c" && "$cxx" --version && dpkg-query -W libc6-dev; } | sha256sum
 }
-
-state() { { cat "$sources/old_glibc.bash" "$sources/old_glibc.c" && "$cxx" --version && dpkg-query -W libc6-dev; } | sha256sum; }
 if [ "$(cat "$folder/complete" 2>/dev/null)" = "$(state)" ]; then exit 0; fi
 rm -rf "$folder"
 mkdir -p "$folder/lib"
@@ -86,7 +77,8 @@ make_cxx_library() {
     local own
     own=$(realpath "$("$cxx" -print-file-name=libstdc++.so)")
     "$cc" -c -O2 -fPIC -Wall -Wextra "$sources/old_glibc.c" -o "$folder/lib/old_glibc.o"
-    (cd "$folder/lib" && ar x "$("$cxx" -print-file-name=libstdc++.a)" "${members[@]}" && ar rcs libstdc++_new.a old_glibc.o "${members[@]}")
+    (cd "$folder/lib" && ar x "$("$cxx" -print-file-name=libstdc++.a)" "${members[@]}" &&
+        ar rcs libstdc++_new.a old_glibc.o "${members[@]}")
     echo "INPUT(libstdc++_new.a $own)" >"$folder/lib/libstdc++.so"
 }
 
@@ -133,7 +125,8 @@ make_libraries() {
         build onetbb -DTBB_TEST=OFF -DTBB_STRICT=OFF -DTBBMALLOC_BUILD=OFF -DTBB_DISABLE_HWLOC_AUTOMATIC_SEARCH=ON &&
             build fmtlib -DFMT_DOC=OFF -DFMT_TEST=OFF &&
             build hdf5 -DBUILD_STATIC_LIBS=OFF -DBUILD_TESTING=OFF -DHDF5_BUILD_TOOLS=OFF -DHDF5_BUILD_EXAMPLES=OFF \
-                -DHDF5_BUILD_HL_LIB=OFF -DHDF5_BUILD_CPP_LIB=OFF -DHDF5_ENABLE_Z_LIB_SUPPORT=ON -DHDF5_ENABLE_SZIP_SUPPORT=ON -DHDF5_ENABLE_SZIP_ENCODING=ON &&
+                -DHDF5_BUILD_HL_LIB=OFF -DHDF5_BUILD_CPP_LIB=OFF -DHDF5_ENABLE_Z_LIB_SUPPORT=ON \
+                -DHDF5_ENABLE_SZIP_SUPPORT=ON -DHDF5_ENABLE_SZIP_ENCODING=ON &&
             (
                 . "$folder/toolchain"
                 cd "$folder/ocl-icd" && ./bootstrap && CC="$launcher $cc" ./configure --prefix="$folder/installed" && make -j 2 &&
@@ -142,7 +135,8 @@ make_libraries() {
     } >"$folder/log" 2>&1 || cannot "the libraries could not be built; what was said: $folder/log"
 }
 
-install_packages
+install_missing cmake ninja-build make ruby autoconf automake libtool zlib1g-dev libaec-dev xz-utils ||
+    unavailable "the packages $missing"
 make_c_library
 make_cxx_library
 write_toolchain

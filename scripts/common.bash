@@ -38,6 +38,21 @@ is_installed() {
     dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
 }
 
+# install_missing PACKAGE ... installs those of Debian's packages that are not installed. If it may not, or they cannot be
+# had, it fails, and `missing` names them.
+install_missing() {
+    local package
+    missing=
+    for package; do is_installed "$package" || missing+=" $package"; done
+    missing=${missing# }
+    [ -n "$missing" ] || return 0
+    [ "$(id -u)" -eq 0 ] || return 1
+    echo "Installing $missing"
+    # shellcheck disable=SC2086
+    { apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends $missing; } \
+        </dev/null >/dev/null
+}
+
 # source_commit prints the commit of the sources in this folder, with -dirty if they differ from it; nothing without git.
 # The records of runs are no sources.
 source_commit() {
