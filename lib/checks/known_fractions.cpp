@@ -92,7 +92,7 @@ std::optional<std::string> difference_of_rows(const Device& device, const engine
             centroids[2 * rows.size() + n] != rows[n].centroid[2])
             return "rows are stored wrongly";
     for (std::size_t n = 0; n < cells; ++n)
-        if (are_full[n] != (expected.full[n / 8] >> n % 8 & 1U)) return "cells are full that are not, or the reverse";
+        if (are_full[n] != expected.is_full(n)) return "cells are full that are not, or the reverse";
     return std::nullopt;
 }
 

@@ -93,7 +93,7 @@ struct Buffers {
         for (std::size_t n = count; n <= room; ++n)
             wrong += of_pieces[n] != 77U * 0x01010101U || of_cells[n][0] != 77 * 0x01010101;
         for (std::size_t n = 0; n < cell_count; ++n)
-            wrong += of_full[n] != (is_complete ? known.full[n / 8] >> n % 8 & 1U : 77U);
+            wrong += of_full[n] != (is_complete ? unsigned{known.is_full(n)} : 77U);
         const auto told = read<DeviceFractionCount>(context(), count_memory, 1);
         wrong += !(told[0] == DeviceFractionCount{known.cells.size(), is_complete ? 1U : 0U});
         return wrong == 0;
@@ -240,7 +240,7 @@ BOOST_AUTO_TEST_CASE(too_little_room_is_told) {
     plan.enqueue(nullptr, full, {});
     const auto of_full = read<std::uint8_t>(context(), few.full, few.cell_count);
     std::size_t wrong = 0;
-    for (std::size_t n = 0; n < of_full.size(); ++n) wrong += of_full[n] != (known.full[n / 8] >> n % 8 & 1U);
+    for (std::size_t n = 0; n < of_full.size(); ++n) wrong += of_full[n] != known.is_full(n);
     BOOST_TEST(wrong == 0U);
 
     // The memory of a plan that was made for a body beside the grid is too small when it moves in.

@@ -72,7 +72,7 @@ struct Buffers {
         for (std::size_t n = rows; n <= room; ++n)
             wrong += of_counts[n] != 77U * 0x01010101U || of_bytes[n] != 77 || of_bytes[room + 1 + n] != 77;
         for (std::size_t n = 0; n < sample_count; ++n)
-            wrong += of_inside[n] != (links.inside.bits[n / 8] >> n % 8 & 1U);
+            wrong += of_inside[n] != links.inside.is_inside(n);
         return wrong;
     }
 
@@ -145,7 +145,7 @@ BOOST_AUTO_TEST_CASE(runs_have_the_bytes_of_the_call) {
         wrong += (n < links.size() && of_strided[2 * (room - 1 - n) + 1] != links.q[n]) ||
                  of_strided[2 * (room - 1 - n)] != of_strided[0];
     for (std::size_t n = 0; n < samples; ++n)
-        wrong += of_bytes[2 * n + 1] != (links.inside.bits[n / 8] >> n % 8 & 1U) || of_bytes[2 * n] != 77;
+        wrong += of_bytes[2 * n + 1] != links.inside.is_inside(n) || of_bytes[2 * n] != 77;
     std::vector<float> expected(19 * samples);
     std::size_t count = 0;
     transform.links(grid, directions, {.dense = expected}, count, options);

@@ -92,7 +92,7 @@ struct Fractions {
         return is_full((k * y + j) * x + i);
     }
     /// cell: its number in the order of the bits.
-    bool is_full(std::size_t cell) const { return (full[cell / 8] >> cell % 8 & 1U) != 0; }
+    bool is_full(std::size_t cell) const { return (full[cell / 8] >> cell % 8 & 1) != 0; }
 };
 
 /// Called with the cells of each grid, or of each slab of one, in their order. Its exceptions are passed on;
