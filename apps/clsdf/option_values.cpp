@@ -177,11 +177,12 @@ std::size_t parse_bytes(const std::string& option, const std::string& text) {
     constexpr std::string_view letters = "KMGT";
     const std::size_t power = unit.empty() ? 0 : letters.find(unit.front()) + 1;
     const bool is_binary = unit.size() == 3 && unit.ends_with("iB");
-    const bool is_unit = unit.empty() || (power > 0 && (unit.size() == 1 || is_binary));
+    const bool is_decimal = unit.size() == 1 || (unit.size() == 2 && unit.ends_with("B"));
+    const bool is_unit = unit.empty() || (power > 0 && (is_decimal || is_binary));
     const double bytes = number * std::pow(is_binary ? 1024.0 : 1000.0, static_cast<double>(power));
     if (error != std::errc() || !is_unit || !(bytes >= 1 && bytes < 1e18))
         throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
-                           fmt::format("{}: expected a number of bytes, as 512M, 2G or 2GiB, not '{}'", option, text));
+                           fmt::format("{}: expected a number of bytes, as 512M, 2GB or 2GiB, not '{}'", option, text));
     return static_cast<std::size_t>(bytes);
 }
 

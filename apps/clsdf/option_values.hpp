@@ -125,8 +125,8 @@ std::array<Number, 3> parse_triple(const std::string& option, const std::string&
                        fmt::format("{}: expected {}, not '{}'", option, expected, text));
 }
 
-/// A number of bytes: "512M", "2G", "1.5G", "2GiB"; K, M, G and T are powers of 1000, KiB and so on of 1024. Throws
-/// Error(invalid_argument) that names the option.
+/// A number of bytes: "512M", "2GB", "1.5G", "2GiB"; K and KB, M, G and T are powers of 1000, KiB and so on of 1024.
+/// Throws Error(invalid_argument) that names the option.
 std::size_t parse_bytes(const std::string& option, const std::string& text);
 
 /// The mesh of all files, with its vertices joined. Warnings say what was skipped or changed. Throws

@@ -137,7 +137,7 @@ BOOST_AUTO_TEST_CASE(parts_made_with_little_memory_have_the_same_bytes_and_leave
     };
     const Outcome whole = run_command(make(parts, {}));
     BOOST_REQUIRE_MESSAGE(whole.status == 0, whole.error);
-    const std::vector<std::string> little{"--memory", "400M", "--scratch", scratch.path};
+    const std::vector<std::string> little{"--memory", "400MB", "--scratch", scratch.path};
     std::vector<std::string> with_report = make(others, little);
     with_report.emplace_back("--json");
     const Outcome outcome = run_command(with_report);
@@ -173,7 +173,7 @@ BOOST_AUTO_TEST_CASE(parts_made_with_little_memory_have_the_same_bytes_and_leave
         full.wait();
     BOOST_TEST(scratch.is_empty());
     check_refused(run_command(make(others, {"--memory", "64M"})), 2, {"--memory: 64M is too little", "give"});
-    check_refused(run_command(make(others, {"--memory", "2GB"})), 2, {"--memory", "2GiB, not '2GB'"});
+    check_refused(run_command(make(others, {"--memory", "2Gb"})), 2, {"--memory", "2GiB, not '2Gb'"});
     check_refused(run_command(make(others, {"--memory", "1G", "--scratch", "/nonexistent"})), 2,
                   {"'/nonexistent'", "No such file", "--scratch"});
     check_refused(run_command(make(others, {"--scratch", scratch.path})), 2, {"--memory"});

@@ -71,8 +71,7 @@ struct Buffers {
                      of_bytes[room + 1 + n] != static_cast<std::uint8_t>(links.flags[n]);
         for (std::size_t n = rows; n <= room; ++n)
             wrong += of_counts[n] != 77U * 0x01010101U || of_bytes[n] != 77 || of_bytes[room + 1 + n] != 77;
-        for (std::size_t n = 0; n < sample_count; ++n)
-            wrong += of_inside[n] != links.inside.is_inside(n);
+        for (std::size_t n = 0; n < sample_count; ++n) wrong += of_inside[n] != links.inside.is_inside(n);
         return wrong;
     }
 

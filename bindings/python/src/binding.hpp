@@ -16,6 +16,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <memory>
 #include <string>
@@ -55,6 +56,13 @@ Array array_in(std::vector<Item> items, std::initializer_list<std::size_t> shape
 
 /// Error(invalid_argument) with this message.
 [[noreturn]] void refuse(const std::string& message);
+
+/// How an error shows a value: the start of its repr().
+std::string shown(nb::handle value);
+/// A whole number of an argument, `what`; refused if it is none.
+std::int64_t whole_of(nb::handle value, const char* what);
+/// The same from 0 on.
+std::size_t count_of(nb::handle value, const char* what);
 
 /// Call before anything that needs a device. OpenCL's drivers and threads do not survive a fork, and a call would hang:
 /// throws Error(device_failure) in a process that was forked after its parent came here.

@@ -160,8 +160,11 @@ void add_devices(nb::module_& module) {
             nb::arg("choice"), "An index in devices(), or a part of one device's name, in upper or lower case.")
         .def_static(
             "of_rank",
-            [](std::size_t rank, std::size_t ranks) { return chosen([&] { return Device::of_rank(rank, ranks); }); },
-            nb::arg("rank"), nb::arg("ranks"),
+            [](nb::handle rank, nb::handle ranks) {
+                return chosen([number = count_of(rank, "of_rank(): rank"),
+                               count = count_of(ranks, "of_rank(): ranks")] { return Device::of_rank(number, count); });
+            },
+            nb::arg("rank"), nb::arg("ranks"), nb::sig("def of_rank(rank: int, ranks: int) -> Device"),
             "The share of a process among those of this machine, 0 <= rank < ranks. GPUs are dealt out in turn; if\n"
             "there is none, or if CLSDF_DEVICE names a device, an equal part of a processor's compute units. Raises\n"
             "clsdf.Error: invalid_argument, or unsupported that names the driver's variable if a processor cannot be\n"

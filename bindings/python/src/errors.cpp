@@ -1,5 +1,6 @@
 #include "binding.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 #include <atomic>
 #include <exception>
@@ -28,6 +29,22 @@ std::atomic<pid_t> process_of_devices = 0;
 
 void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message);
+}
+
+std::string shown(nb::handle value) {
+    return nb::cast<std::string>(nb::repr(value)).substr(0, 100);
+}
+
+std::int64_t whole_of(nb::handle value, const char* what) {
+    std::int64_t number = 0;
+    if (nb::try_cast(value, number)) return number;
+    refuse(fmt::format("{}: {} is not a whole number", what, shown(value)));
+}
+
+std::size_t count_of(nb::handle value, const char* what) {
+    const std::int64_t number = whole_of(value, what);
+    if (number >= 0) return static_cast<std::size_t>(number);
+    refuse(fmt::format("{}: {} is negative", what, number));
 }
 
 void check_process() {

@@ -23,10 +23,6 @@ std::string text_of(const Grid& grid) {
                        grid.first[2]);
 }
 
-std::string shown(nb::handle value) {
-    return nb::cast<std::string>(nb::repr(value)).substr(0, 100);
-}
-
 // Three numbers of any sequence; `of_all` takes one for all axes.
 Vec3 numbers_of(nb::handle values, const char* what, bool of_all = false) {
     Vec3 each{};
@@ -44,12 +40,6 @@ Index3 wholes_of(nb::handle values, const char* what, bool of_all = false) {
     if (of_all && !nb::isinstance<nb::bool_>(values) && nb::try_cast(values, all)) return {all, all, all};
     refuse(fmt::format("{}: expected {}three whole numbers, along x, y and z, not {}", what,
                        of_all ? "a whole number or " : "", shown(values)));
-}
-
-std::int64_t whole_of(nb::handle value, const char* what) {
-    std::int64_t number = 0;
-    if (nb::try_cast(value, number)) return number;
-    refuse(fmt::format("{}: {} is not a whole number", what, shown(value)));
 }
 
 // A half width of a Band, which knows neither a mesh nor a grid.
@@ -263,10 +253,23 @@ void add_grids(nb::module_& module) {
             nb::arg("first"), nb::arg("size"),
             nb::sig("def block(self, first: numpy.typing.ArrayLike, size: int | numpy.typing.ArrayLike) -> Grid"),
             "Any block of the lattice, within this grid or beyond it.")
-        .def("grown", &Grid::grown, nb::arg("samples"), "So many samples more on every side; fewer if negative.")
-        .def("refined", &Grid::refined, nb::arg("ratio"),
-             "A lattice `ratio` times as fine that has all samples of this one, for samples at nodes.")
-        .def("refined_cells", &Grid::refined_cells, nb::arg("ratio"), "The same for samples at the centres of cells.")
+        .def(
+            "grown",
+            [](const Grid& grid, nb::handle samples) { return grid.grown(whole_of(samples, "grown(): samples")); },
+            nb::arg("samples"), nb::sig("def grown(self, samples: int) -> Grid"),
+            "So many samples more on every side; fewer if negative.")
+        .def(
+            "refined",
+            [](const Grid& grid, nb::handle ratio) { return grid.refined(whole_of(ratio, "refined(): ratio")); },
+            nb::arg("ratio"), nb::sig("def refined(self, ratio: int) -> Grid"),
+            "A lattice `ratio` times as fine that has all samples of this one, for samples at nodes.")
+        .def(
+            "refined_cells",
+            [](const Grid& grid, nb::handle ratio) {
+                return grid.refined_cells(whole_of(ratio, "refined_cells(): ratio"));
+            },
+            nb::arg("ratio"), nb::sig("def refined_cells(self, ratio: int) -> Grid"),
+            "The same for samples at the centres of cells.")
         .def("in_whole_bricks", &in_whole_bricks,
              "The bricks of sparse fields that overlap the grid: it is rounded out to multiples of 8 on the lattice.")
         .def("cell_centred", &Grid::cell_centred, "The same block shifted by half a voxel on every axis.")

@@ -112,6 +112,11 @@ WRONG = {
     "rotation": (lambda body: body.set_motion(np.eye(4), (0, 0, 0)), r"rotation has the shape \(4, 4\); expected \(3, 3\)"),
     "translation": (lambda body: body.set_motion(np.eye(3), 0), r"translation has the shape \(\); expected \(3,\)"),
     "within": (lambda body: body.query((1, 2, 3), within="3v"), "within: '3v' is not a number"),
+    "refined": (lambda body: body.grid(8).refined(1.5), r"refined\(\): ratio: 1.5 is not a whole number"),
+    "refined cells": (lambda body: body.grid(8).refined_cells("2"), "ratio: '2' is not a whole number"),
+    "grown": (lambda body: body.grid(8).grown(0.5), "samples: 0.5 is not a whole number"),
+    "rank": (lambda body: clsdf.Device.of_rank(-1, 2), "rank: -1 is negative"),
+    "ranks": (lambda body: clsdf.Device.of_rank(0, 2.5), "ranks: 2.5 is not a whole number"),
 }
 
 
