@@ -1,11 +1,10 @@
 #include "calls/transform_state.hpp"
+#include "core/archive.hpp"
+#include "core/archive_head.hpp"
 #include "core/parallel.hpp"
-#include "core/placed_archive.hpp"
 #include "core/word_hash.hpp"
 #include "plan/stored_mesh.hpp"
 #include "points/stored_points.hpp"
-
-#include <clsdf/version.hpp>
 
 #include <fmt/format.h>
 
@@ -15,6 +14,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -26,16 +26,9 @@ namespace clsdf {
 
 namespace {
 
-struct alignas(line_bytes) Head {
-    std::array<char, 8> name{'c', 'l', 's', 'd', 'f', 's', 'h', 'r'};
-    std::uint32_t byte_order = 0x01020304;
-    std::uint32_t layout = 1;  ///< of what follows; another number for each change of it
-    std::uint64_t version = CLSDF_VERSION;
-    std::uint64_t size = 0;  ///< of what follows
-    std::uint64_t hash = 0;  ///< of what follows
-    std::array<std::uint64_t, 3> zeros{};
-};
-static_assert(sizeof(Head) == line_bytes);
+constexpr ArchiveHead own_head{.name{'c', 'l', 's', 'd', 'f', 's', 'h', 'r'}, .layout = 1};
+/// The values begin at a line.
+constexpr std::size_t head_bytes = at_line(sizeof(ArchiveHead));
 
 [[noreturn]] void refuse(const std::string& reason) {
     throw Error(ErrorCode::invalid_argument,
@@ -76,11 +69,6 @@ struct Content {
         mesh.visit(archive);
         points.visit(archive);
     }
-    std::size_t size() {
-        PlacingArchive counting;
-        visit(counting);
-        return counting.size();
-    }
 };
 
 /// Throws Error(unsupported).
@@ -109,8 +97,8 @@ std::size_t DistanceTransform::State::prepared_bytes() {
     const std::scoped_lock lock(mutex);
     context().begin_call();
     return calls::with_remedies(nullptr, {forgetting()}, [&] {
-        return sizeof(Head) +
-               content_of(*this, *kept_mesh, *kept_points, {sign, floor, topology}, given != nullptr).size();
+        Content content = content_of(*this, *kept_mesh, *kept_points, {sign, floor, topology}, given != nullptr);
+        return head_bytes + archived_size(content);
     });
 }
 
@@ -121,16 +109,16 @@ void DistanceTransform::State::share(std::span<std::byte> memory) {
     check_alignment(memory.data());
     calls::with_remedies(nullptr, {forgetting()}, [&] {
         Content content = content_of(*this, *kept_mesh, *kept_points, {sign, floor, topology}, given != nullptr);
-        Head head;
-        head.size = content.size();
-        if (memory.size() < sizeof(head) || memory.size() - sizeof(head) < head.size)
+        ArchiveHead head = own_head;
+        head.size = archived_size(content);
+        if (memory.size() < head_bytes || memory.size() - head_bytes < head.size)
             throw Error(ErrorCode::invalid_argument,
                         fmt::format("the prepared mesh takes {} bytes, and the memory has {}; give as many as "
                                     "prepared_bytes() says",
-                                    sizeof(head) + head.size, memory.size()));
-        const std::span<std::byte> values = memory.subspan(sizeof(head), static_cast<std::size_t>(head.size));
-        std::memset(memory.data(), 0, sizeof(head));
-        PlacingArchive archive(values);
+                                    head_bytes + head.size, memory.size()));
+        const std::span<std::byte> values = memory.subspan(head_bytes, static_cast<std::size_t>(head.size));
+        std::memset(memory.data(), 0, head_bytes);
+        WritingArchive archive(values);
         content.visit(archive);
         head.hash = hash_of_all(values);
         std::atomic_thread_fence(std::memory_order_release);
@@ -142,24 +130,19 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_shared(De
                                                                               std::span<const std::byte> memory,
                                                                               const TransformOptions& options) {
     check_alignment(memory.data());
-    const Head own;
-    Head head;
-    if (memory.size() < sizeof(head)) refuse(fmt::format("it has {} bytes, fewer than the head", memory.size()));
+    ArchiveHead head;
+    if (memory.size() < head_bytes) refuse(fmt::format("it has {} bytes, fewer than the head", memory.size()));
     std::memcpy(&head, memory.data(), sizeof(head));
     if (head.name == std::array<char, 8>{}) refuse("nothing has been written yet, or not all");
-    if (head.name != own.name) refuse("it does not begin as one");
-    if (head.byte_order != own.byte_order) refuse("a machine of another byte order wrote it");
-    if (head.layout != own.layout || head.version != own.version)
-        refuse(fmt::format("clsdf of the version number {} (layout {}) wrote it, and this is {} (layout {})",
-                           head.version, head.layout, own.version, own.layout));
-    memory = memory.subspan(sizeof(head));
+    if (const std::optional<std::string> obstacle = obstacle_to_reading(head, own_head)) refuse(*obstacle);
+    memory = memory.subspan(head_bytes);
     if (head.size > memory.size())
         refuse(fmt::format("{} bytes follow the head, which states {}", memory.size(), head.size));
     memory = memory.first(static_cast<std::size_t>(head.size));
     if (head.hash != hash_of_all(memory)) refuse("it was changed since it was written");
     Content content;
     try {
-        BorrowingArchive archive(memory);
+        ReadingArchive archive(memory);
         content.visit(archive);
         if (!archive.is_at_end()) refuse("it has more values than a transform");
     } catch (const ReadingArchive::Ended&) {

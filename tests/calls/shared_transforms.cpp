@@ -185,10 +185,10 @@ BOOST_AUTO_TEST_CASE(memory_without_a_whole_transform_is_refused_by_name) {
         refused(memory, "was changed");
         damaged = was;
     }
-    for (const auto& [at, said] : {std::pair{0, "does not begin as one"},
+    for (const auto& [at, said] : {std::pair{0, "the head is not of one"},
                                    {8, "another byte order"},
                                    {12, "layout"},
-                                   {16, "wrote it, and this is"},
+                                   {16, "was the writer, and this is"},
                                    {30, "which states"},
                                    {32, "was changed"}}) {
         std::byte& damaged = memory[static_cast<std::size_t>(at)];

@@ -77,10 +77,10 @@ BOOST_AUTO_TEST_CASE(bytes_that_are_no_whole_part_are_refused_by_name) {
         damaged[48 + random.index(bytes.size() - 48)] ^= std::byte{static_cast<unsigned char>(1U << random.index(8))};
         refused(damaged, "were changed");
     }
-    for (const auto& [at, said] : {std::pair{0, "do not begin as one"},
+    for (const auto& [at, said] : {std::pair{0, "the head is not of one"},
                                    {8, "another byte order"},
                                    {12, "layout"},
-                                   {16, "wrote them, and this is"},
+                                   {16, "was the writer, and this is"},
                                    {24, "which states"},
                                    {40, "were changed"}}) {
         std::vector<std::byte> damaged = bytes;

@@ -1,12 +1,12 @@
 #include "plan/region_part.hpp"
 
 #include "core/archive.hpp"
+#include "core/archive_head.hpp"
 #include "core/word_hash.hpp"
 #include "mesh/mesh_arrays.hpp"
 #include "plan/stored_values.hpp"
 
 #include <clsdf/error.hpp>
-#include <clsdf/version.hpp>
 
 #include <fmt/format.h>
 
@@ -24,14 +24,7 @@ namespace clsdf::engine {
 
 namespace {
 
-struct Head {
-    std::array<char, 8> name{'c', 'l', 's', 'd', 'f', 'p', 'r', 't'};
-    std::uint32_t byte_order = 0x01020304;
-    std::uint32_t layout = 2;  ///< of what follows; another number for each change of it
-    std::uint64_t version = CLSDF_VERSION;
-    std::uint64_t size = 0;  ///< of what follows
-    std::uint64_t hash = 0;  ///< of what follows
-};
+constexpr ArchiveHead own_head{.name{'c', 'l', 's', 'd', 'f', 'p', 'r', 't'}, .layout = 2};
 
 constexpr std::uint32_t unknown_volume = 2;
 
@@ -260,29 +253,23 @@ std::vector<std::byte> bytes_of(const RegionPart& part, const SignOfWhole& sign)
         content.boundary_floor = part.boundary->floor.value_or(0);
     }
     if (part.movable) set_movable(*part.movable, content);
-    WritingArchive archive;
-    Head head;
-    archive(head);
+    ArchiveHead head = own_head;
+    head.size = archived_size(content);
+    std::vector<std::byte> bytes(sizeof(head) + static_cast<std::size_t>(head.size));
+    const std::span<std::byte> values = std::span(bytes).subspan(sizeof(head));
+    WritingArchive archive(values);
     content.visit(archive);
-    std::vector<std::byte> bytes = archive.take();
-    const std::span<const std::byte> values = std::span(bytes).subspan(sizeof(Head));
-    head.size = values.size();
     head.hash = hash_of(values);
     std::memcpy(bytes.data(), &head, sizeof(head));
     return bytes;
 }
 
 StoredPart part_of_bytes(std::span<const std::byte> bytes) {
-    const Head own;
-    Head head;
+    ArchiveHead head;
     if (bytes.size() < sizeof(head)) refuse(fmt::format("there are {}, fewer than its head has", bytes.size()));
     std::memcpy(&head, bytes.data(), sizeof(head));
     bytes = bytes.subspan(sizeof(head));
-    if (head.name != own.name) refuse("they do not begin as one");
-    if (head.byte_order != own.byte_order) refuse("a machine of another byte order wrote them");
-    if (head.layout != own.layout || head.version != own.version)
-        refuse(fmt::format("clsdf of the version number {} (layout {}) wrote them, and this is {} (layout {})",
-                           head.version, head.layout, own.version, own.layout));
+    if (const std::optional<std::string> obstacle = obstacle_to_reading(head, own_head)) refuse(*obstacle);
     if (head.size != bytes.size()) refuse(fmt::format("{} follow the head, which states {}", bytes.size(), head.size));
     if (head.hash != hash_of(bytes)) refuse("they were changed since they were written");
     Content content;

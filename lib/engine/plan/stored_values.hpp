@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-/// Values that are written to bytes and read from them, by an archive (core/archive.hpp, core/placed_archive.hpp).
+/// Values that are written to bytes and read from them, by an archive (core/archive.hpp).
 namespace clsdf::engine {
 
 /// A site without its normal's type, which is Eigen's.
