@@ -21,25 +21,13 @@ file(WRITE "${tree}/CHANGELOG.md" "# Changelog
 
 ## [Unreleased]
 
-### The interface before the first release
-
-| before | now |
-
 ### Fixed
 - A fault.
 
-### Tests that are gone, and what covers their promises now
-
-| gone | now |
-
-### Added
-- A call.
-
 ## [0.0.9] - 2020-01-01
 
-### The interface before the first release
-
-- The earlier table stays.
+### Fixed
+- An earlier one.
 ")
 
 # in(<folder> <result> <command>...): the output of a command that must succeed.
@@ -105,14 +93,10 @@ if(NOT changes STREQUAL "# Changelog
 ### Fixed
 - A fault.
 
-### Added
-- A call.
-
 ## [0.0.9] - 2020-01-01
 
-### The interface before the first release
-
-- The earlier table stays.
+### Fixed
+- An earlier one.
 ")
   message(SEND_ERROR "CHANGELOG.md is ${changes}")
 endif()
