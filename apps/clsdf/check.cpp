@@ -210,7 +210,7 @@ Asked read_bodies(const Options& options, Report& report) {
         asked.bodies.push_back({read_body(asked.names, options.reading, report)});
         return asked;
     }
-    refuse_beside_scene(asked.names, {}, {});
+    refuse_beside_scene(asked.names, {.floor = options.floor}, {});
     const SceneFile file = read_scene(asked.names.front());
     const SceneMeshes meshes = read_meshes(file, options.reading, report);
     for (std::size_t i = 0; i < file.bodies.size(); ++i) {

@@ -196,11 +196,12 @@ Computation compute_unless_interrupted(const ComputeRequest& request, const Comp
     try {
         Computation computation =
             compute(request, layout, named, second_compiler, writer, report, interruption.token());
-        if (!interruption.token().stop_requested()) return computation;
+        interruption.finish();
+        return computation;
     } catch (const Error&) {
-        if (!interruption.token().stop_requested()) throw;
+        interruption.finish();
+        throw;
     }
-    throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
 }
 
 ExitStatus run(const ComputeOptions& options, Report& report) {

@@ -1,5 +1,6 @@
 #include "compute.hpp"
 
+#include "core/files.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
 
@@ -9,7 +10,6 @@
 
 #include <unistd.h>
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -19,13 +19,6 @@
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The ending of a file, in lower case.
-std::string ending_of(const std::string& path) {
-    std::string ending = fs::path(path).extension().string();
-    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    return ending;
-}
 
 /// Bytes of all outputs of a sample.
 std::uint64_t sample_bytes(const ComputeLayout& layout) {
@@ -258,7 +251,7 @@ std::string warning_of_empty_band(const clsdf::FieldDescription& field, const cl
 }
 
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output) {
-    if (ending_of(output) != ".sdf") return {};
+    if (clsdf::ending_of(output) != ".sdf") return {};
     if (layout.positive_inside)
         return fmt::format(
             "{} does not state that it is positive inside: \"clsdf check\", \"slice\" and \"render\" need "
@@ -275,7 +268,8 @@ std::string warning_of_stale_outputs(const ComputeLayout& layout, const Computat
     const fs::path output(computation.output);
     std::string warning;
     // The other formats have all outputs in one file.
-    if (const std::string ending = ending_of(computation.output); ending != ".nrrd" && ending != ".npy") return warning;
+    if (const std::string ending = clsdf::ending_of(computation.output); ending != ".nrrd" && ending != ".npy")
+        return warning;
     for (const clsdf::OutputInfo& info : extra_outputs()) {
         const fs::path file =
             output.parent_path() / (output.stem().string() + "_" + info.name + output.extension().string());

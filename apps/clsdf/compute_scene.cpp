@@ -114,10 +114,11 @@ ExitStatus compute_scene(const ComputeOptions& options, Report& report) {
     const Interruption interruption;
     try {
         field = compute(file, meshes, options, request, device, report, interruption.token(), statistics, bodies);
-    } catch (const Error& error) {
-        if (!interruption.token().stop_requested()) throw;
+        interruption.finish();
+    } catch (const Error&) {
+        interruption.finish();
+        throw;
     }
-    if (interruption.token().stop_requested()) throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
     const double seconds = std::max(0.0, watch.seconds() - statistics.compile_seconds);
     report.result = {{"mesh", file.path},
                      {"bodies", bodies},

@@ -6,6 +6,7 @@
 #include "outer_surface.hpp"
 #include "report.hpp"
 
+#include "core/files.hpp"
 #include "core/stopwatch.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -39,7 +40,7 @@ void require_memory_of_cells(const std::string& output, const clsdf::Grid& grid)
     const auto cells = static_cast<double>(grid.size[0] - 1) * static_cast<double>(grid.size[1] - 1) *
                        static_cast<double>(grid.size[2] - 1);
     // A bit a cell, and the widest array of the file.
-    const double bytes_of_cell = 0.125 + (output.ends_with(".vti") ? 24 : 1);
+    const double bytes_of_cell = 0.125 + (clsdf::ending_of(output) == ".vti" ? 24 : 1);
     require_memory(cells * bytes_of_cell, fmt::format("the fractions of {} x {} x {} cells", grid.size[0] - 1,
                                                       grid.size[1] - 1, grid.size[2] - 1));
 }
@@ -64,10 +65,11 @@ ExitStatus run(const FractionChoice& choice, Report& report) {
             grid = request.grid_around(outer->box);
             report.warn(warning_of_size(grid, outer->box));
             require_memory_of_cells(own.output, grid);
-            return clsdf::fractions(outer->surface, grid, options_of(choice), call);
+            clsdf::Fractions fractions = clsdf::fractions(outer->surface, grid, options_of(choice), call);
+            interruption.finish();
+            return fractions;
         } catch (const clsdf::Error& error) {
-            if (interruption.token().stop_requested())
-                throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; nothing was written");
+            interruption.finish();
             throw with_remedy(own, error);
         }
     }();

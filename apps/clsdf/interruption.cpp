@@ -147,6 +147,12 @@ Interruption::Interruption() {
     active = &source_;
 }
 
+void Interruption::finish() const {
+    const std::lock_guard lock(mutex);
+    active = nullptr;
+    if (token().stop_requested()) throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; nothing was written");
+}
+
 Interruption::~Interruption() {
     const std::lock_guard lock(mutex);
     active = nullptr;

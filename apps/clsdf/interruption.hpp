@@ -31,6 +31,10 @@ public:
 
     std::stop_token token() const { return source_.get_token(); }
 
+    /// Call it after a computation, failed or not: a signal may have arrived after the last look at the token, or have
+    /// made a compiler fail. Throws Error(cancelled) if there was one. A later one ends the process.
+    void finish() const;
+
 private:
     std::stop_source source_;
 };

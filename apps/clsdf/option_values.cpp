@@ -1,5 +1,6 @@
 #include "option_values.hpp"
 
+#include "core/files.hpp"
 #include "tools/text.hpp"
 
 #include <clsdf/mesh_files.hpp>
@@ -80,7 +81,7 @@ std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<s
 }
 
 bool is_scene_file(const std::string& file) {
-    return std::filesystem::path(file).extension() == ".json";
+    return clsdf::ending_of(file) == ".json";
 }
 
 std::string paths_of(const std::vector<std::string>& files) {

@@ -29,9 +29,16 @@ ExitStatus run(const OuterOptions& options, Report& report) {
     clsdf::check_mesh_path(options.output);
     const OuterOfFiles found = [&] {
         const Interruption interruption;
-        ProgressBar progress(!report.quiet);
-        return outer_of_files(options.mesh, options.reading, options.sign, options.output,
-                              watched_call(progress, report, interruption.token()), report);
+        try {
+            ProgressBar progress(!report.quiet);
+            OuterOfFiles of_files = outer_of_files(options.mesh, options.reading, options.sign, options.output,
+                                                   watched_call(progress, report, interruption.token()), report);
+            interruption.finish();
+            return of_files;
+        } catch (const clsdf::Error&) {
+            interruption.finish();
+            throw;
+        }
     }();
     const clsdf::OuterSurface& surface = found.surface;
     clsdf::write_mesh(surface, options.output);

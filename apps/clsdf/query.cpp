@@ -145,14 +145,15 @@ Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& 
     try {
         Found found;
         find(options, device, asked, points, half_width, report, interruption.token(), found);
-        if (!interruption.token().stop_requested()) return found;
+        interruption.finish();
+        return found;
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("the outputs of {} points do not fit the memory; divide the points", points.size()));
     } catch (const Error& error) {
-        if (!interruption.token().stop_requested()) throw with_file(error, "point ", options.points());
+        interruption.finish();
+        throw with_file(error, "point ", options.points());
     }
-    throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
 }
 
 ExitStatus run(const QueryOptions& options, Report& report) {

@@ -78,14 +78,15 @@ Found find_unless_interrupted(const RayCallOptions& options, const clsdf::Device
     try {
         Found found;
         find(options, device, mesh, rays, report, interruption.token(), found);
-        if (!interruption.token().stop_requested()) return found;
+        interruption.finish();
+        return found;
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("the hits of {} rays do not fit the memory; divide the rays", rays.origins.size()));
     } catch (const Error& error) {
-        if (!interruption.token().stop_requested()) throw with_file(error, "ray ", options.rays());
+        interruption.finish();
+        throw with_file(error, "ray ", options.rays());
     }
-    throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
 }
 
 ExitStatus run(const RayCallOptions& options, Report& report) {

@@ -165,7 +165,7 @@ Command add_render(Parser& program) {
     parser
         .add("--offset", options->offset,
              "draw the surface at this distance, < 0: inside [0; without a sign, one voxel]")
-        .takes("D");
+        .takes_text("D");
     add_field_convention_option(parser, options->positive_inside);
     parser.add("--size", options->size, "pixels: WxH, or N for the longer side").takes("SIZE");
     parser.add("--colour", options->colour, "of the surface: six hexadecimal digits").takes("RRGGBB");

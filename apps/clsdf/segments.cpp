@@ -63,9 +63,9 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
         clsdf::TransformStatistics statistics;
         find(transform, run.grid, call, statistics);
         run.seconds = std::max(0.0, watch.seconds() - statistics.compile_seconds);
+        interruption.finish();
     } catch (const clsdf::Error& error) {
-        if (interruption.token().stop_requested())
-            throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; nothing was written");
+        interruption.finish();
         throw with_remedy(own, error);
     }
     if (!report.quiet) {

@@ -53,7 +53,9 @@ Command add_shape(Parser& program) {
     Parser parser = program.add_subcommand("shape", "Write a mesh made by code: sphere6, torus, knot and others");
     parser.add("SHAPE", options->name, "the shape; see --list").in_usage();
     parser.add("-o,--output", options->output, "the mesh file: .off, .obj, .stl or .ply").takes("FILE").in_usage();
-    parser.add("--list", options->list, "print the names and their descriptions");
+    parser.add("--list", options->list, "print the names and their descriptions")
+        .excludes("SHAPE")
+        .excludes("--output");
     parser.set_footer(
         "Examples:\n"
         "  clsdf shape --list\n"

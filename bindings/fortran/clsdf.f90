@@ -1717,22 +1717,22 @@ module clsdf
       type(c_ptr), value :: transform, memory
       integer(c_int64_t), value :: bytes
     end function
-    function c_transform_from_shared(device, memory, bytes, index_base, transform) &
+    function c_transform_from_shared(device, memory, bytes, index_base, kept_bytes, transform) &
         bind(C, name="clsdf_transform_from_shared") result(value)
       import
       integer(c_int32_t) :: value
       type(c_ptr), value :: device, memory
-      integer(c_int64_t), value :: bytes
+      integer(c_int64_t), value :: bytes, kept_bytes
       integer(c_int32_t), value :: index_base
       type(c_ptr), intent(out) :: transform
     end function
-    function c_transform_from_part(device, bytes, count, index_base, transform) &
+    function c_transform_from_part(device, bytes, count, index_base, kept_bytes, transform) &
         bind(C, name="clsdf_transform_from_part") result(value)
       import
       integer(c_int32_t) :: value
       type(c_ptr), value :: device
       integer(c_int8_t), intent(in) :: bytes(*)
-      integer(c_int64_t), value :: count
+      integer(c_int64_t), value :: count, kept_bytes
       integer(c_int32_t), value :: index_base
       type(c_ptr), intent(out) :: transform
     end function
@@ -4216,7 +4216,7 @@ contains
       character(*), intent(in) :: what
       integer(c_int64_t), intent(in) :: components, items(3)
       type(clsdf_c_array), intent(inout) :: to
-      if (array%rank == 0 .or. status /= CLSDF_OK) return
+      if (status /= CLSDF_OK .or. .not. (c_associated(array%device) .or. array%rank > 0)) return
       call for_c(array, what, components, items, 3, to, status)
     end subroutine
   end subroutine
@@ -4734,17 +4734,34 @@ contains
   end subroutine
 
   !> The restricted transform of bytes that part_bytes gave, without the mesh, on any device. They are of the same version
-  !> of clsdf and of this kind of machine; damaged or foreign bytes are an error.
-  subroutine transform_create_from_part(self, device, bytes, stat, errmsg)
+  !> of clsdf and of this kind of machine; damaged or foreign bytes are an error. kept_bytes: as of create. index_base: of
+  !> its triangles, 0 or 1 (default: 1).
+  subroutine transform_create_from_part(self, device, bytes, stat, errmsg, kept_bytes, index_base)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     integer(c_int8_t), intent(in) :: bytes(:)
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    integer, intent(in), optional :: index_base
     call self%release()
-    call clsdf_finish(c_transform_from_part(device%handle, bytes, size(bytes, kind=c_int64_t), 1_c_int32_t, self%handle), &
-        stat, errmsg)
+    call clsdf_finish(c_transform_from_part(device%handle, bytes, size(bytes, kind=c_int64_t), base_or_1(index_base), &
+        kept_or_default(kept_bytes), self%handle), stat, errmsg)
   end subroutine
+
+  function base_or_1(index_base) result(base)
+    integer, intent(in), optional :: index_base
+    integer(c_int32_t) :: base
+    base = 1
+    if (present(index_base)) base = int(index_base, c_int32_t)
+  end function
+
+  function kept_or_default(kept_bytes) result(bytes)
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    integer(c_int64_t) :: bytes
+    bytes = -1
+    if (present(kept_bytes)) bytes = kept_bytes
+  end function
 
   !> The bytes of memory that share needs: about 640 for each triangle. Makes what is not made yet. A transform that is
   !> restricted, has moved, or is of the outer surface is an error.
@@ -4768,16 +4785,20 @@ contains
   end subroutine
 
   !> A whole transform that reads the prepared mesh in place. The memory stays as it is until the transform and its plans
-  !> are released. Memory without a complete transform, damaged, or of another version of clsdf is an error.
-  subroutine transform_create_from_shared(self, device, memory, bytes, stat, errmsg)
+  !> are released. Memory without a complete transform, damaged, or of another version of clsdf is an error. kept_bytes: as
+  !> of create. index_base: of its triangles, 0 or 1 (default: 1).
+  subroutine transform_create_from_shared(self, device, memory, bytes, stat, errmsg, kept_bytes, index_base)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     type(c_ptr), intent(in) :: memory
     integer(c_int64_t), intent(in) :: bytes
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    integer, intent(in), optional :: index_base
     call self%release()
-    call clsdf_finish(c_transform_from_shared(device%handle, memory, bytes, 1_c_int32_t, self%handle), stat, errmsg)
+    call clsdf_finish(c_transform_from_shared(device%handle, memory, bytes, base_or_1(index_base), &
+        kept_or_default(kept_bytes), self%handle), stat, errmsg)
   end subroutine
 
   !> New positions of all vertices, on the host or in a buffer. After an error the positions are those of before.
@@ -7573,7 +7594,7 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  !> Triangles count from 0 or from 1.
+  !> Triangles count from 0 or from 1: set it before the field is copied, as copies have a number of their own.
   subroutine sparse_field_set_index_base(self, index_base, stat, errmsg)
     class(clsdf_sparse_field), intent(inout) :: self
     integer(c_int32_t), intent(in) :: index_base

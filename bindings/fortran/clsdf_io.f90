@@ -279,27 +279,36 @@ contains
     integer(c_int32_t), intent(in) :: index_base
     integer(c_int32_t), intent(inout) :: status
     type(clsdf_c_target), target :: from_0(size(values))
-    integer(c_int32_t), allocatable, target :: triangles(:)
+    integer(c_int32_t), allocatable, target :: triangles(:), bodies(:)
     from_0 = values
-    call count_from_0(from_0, index_base, triangles)
+    call count_from_0(from_0, index_base, triangles, bodies)
     status = c_field_writer_append(self%handle, c_loc(from_0), size(values, kind=c_int64_t), slices)
   end subroutine
 
-  !> triangles: the copy, if one is made.
-  subroutine count_from_0(values, index_base, triangles)
+  !> triangles, bodies: the copies, if they are made.
+  subroutine count_from_0(values, index_base, triangles, bodies)
     type(clsdf_c_target), intent(inout) :: values(:)
     integer(c_int32_t), intent(in) :: index_base
-    integer(c_int32_t), allocatable, target, intent(out) :: triangles(:)
+    integer(c_int32_t), allocatable, target, intent(out) :: triangles(:), bodies(:)
+    if (index_base /= 1) return
+    call copy_from_0(values, CLSDF_TRIANGLE, triangles)
+    call copy_from_0(values, CLSDF_BODY, bodies)
+  end subroutine
+
+  subroutine copy_from_0(values, output, numbers)
+    type(clsdf_c_target), intent(inout) :: values(:)
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int32_t), allocatable, target, intent(inout) :: numbers(:)
     integer(c_int32_t), pointer :: given(:)
     integer :: i
     ! C takes the last of several, and refuses other types and memory of the device.
-    i = findloc(values%output == CLSDF_TRIANGLE .and. values%array%type == CLSDF_UINT32, .true., dim=1, back=.true.)
-    if (index_base /= 1 .or. i == 0) return
+    i = findloc(values%output == output .and. values%array%type == CLSDF_UINT32, .true., dim=1, back=.true.)
+    if (i == 0) return
     if (.not. c_associated(values(i)%array%host)) return
     call c_f_pointer(values(i)%array%host, given, [values(i)%array%count])
-    allocate (triangles(values(i)%array%count))
-    triangles = given - 1
-    values(i)%array%host = c_loc(triangles)
+    allocate (numbers(values(i)%array%count))
+    numbers = given - 1
+    values(i)%array%host = c_loc(numbers)
   end subroutine
 
   !> Gives the files their names.
@@ -392,7 +401,7 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  !> Triangles in files count from 0.
+  !> Triangles and bodies in files count from 0.
   subroutine sparse_writer_take(sink, slab, status)
     class(clsdf_sparse_writer), intent(inout) :: sink
     type(clsdf_sparse_slab), intent(in) :: slab
@@ -400,12 +409,12 @@ contains
     type(clsdf_c_sparse_slab) :: c
     type(clsdf_c_target), allocatable, target :: from_0(:)
     type(clsdf_c_target), pointer :: values(:)
-    integer(c_int32_t), allocatable, target :: triangles(:)
+    integer(c_int32_t), allocatable, target :: triangles(:), bodies(:)
     c = slab%c
     if (c%values%count > 0) then
       call c_f_pointer(c%values%items, values, [c%values%count])
       from_0 = values
-      call count_from_0(from_0, slab%index_base, triangles)
+      call count_from_0(from_0, slab%index_base, triangles, bodies)
       c%values%items = c_loc(from_0)
     end if
     status = c_sparse_writer_append(sink%handle, c)

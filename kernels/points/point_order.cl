@@ -56,7 +56,8 @@ __kernel GROUP_THAT_JOINS void measure_points(PointSource source, uint count, Po
                                               __global const uchar* memory, __global PointExtent* extents) {
     __local PointExtent of_items[ITEMS];
     PointExtent own = extent_of_none();
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    for (ulong next = get_global_id(0); next < count; next += get_global_size(0)) {
+        const uint i = (uint)next;
         const double3 p = position_of(source, memory, i);
         PointExtent of_point = extent_of_none();
         if (is_within(usable, p)) {

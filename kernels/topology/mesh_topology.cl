@@ -234,6 +234,7 @@ __kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uin
         edge = paired_edge(face, k, triangles, starts, corners);
         across[4 * (size_t)face + k] = edge.across;
         marks[16 * (size_t)face + 12 + k] = (uchar)edge.mark;
+        if (k == 0) marks[16 * (size_t)face + 15] = 0;  // FaceEdges::unused
         const uint other = edge.across & 3;
         opposite[corner] = edge.mark == CLSDF_MARK_OPEN ? CLSDF_NO_VERTEX
                            : edge.mark != 0             ? CLSDF_UNPAIRED_EDGE

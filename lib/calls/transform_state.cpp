@@ -149,6 +149,7 @@ void DistanceTransform::State::set_mesh(Mesh mesh, const TransformOptions& optio
 void DistanceTransform::State::set_mesh(std::shared_ptr<const Mesh> mesh, engine::MadeTopology made,
                                         const TransformOptions& options, const CallOptions& call) {
     const TopologyResults& found = made.results;
+    topology = {};
     topology.unused_vertices = made.given_vertices - found.used_vertices;
     topology.coincident_vertices = found.used_vertices - found.different_vertices;
     const bool are_paired = made.topology->are_paired, is_one_part = made.is_one_part(),

@@ -1,13 +1,12 @@
 #include "cutting/device_fractions.hpp"
 
+#include "core/parallel_sort.hpp"
 #include "cut_grid.h"
 #include "cutting/cut_slab.hpp"
 #include "device/read_back.hpp"
 #include "launch/commands.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
-
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <bit>
@@ -83,7 +82,7 @@ std::vector<std::uint32_t> rings_of_edges(std::span<const Triangle> triangles) {
         const auto [low, high] = std::minmax(triangle[n % 3], triangle[(n + 1) % 3]);
         corners[n] = {std::uint64_t{low} << 32 | high, n};
     }
-    tbb::parallel_sort(corners.begin(), corners.end());
+    sort_on_all_cores(corners);
     std::vector<std::uint32_t> next(corners.size());
     for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
         for (end = begin + 1; end < corners.size() && corners[end].ends == corners[begin].ends; ++end)

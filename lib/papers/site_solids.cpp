@@ -1,12 +1,13 @@
 #include "papers/site_solids.hpp"
 
 #include "core/parallel.hpp"
+#include "core/parallel_sort.hpp"
 #include "frusta/frames.hpp"
 
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
-#include <tbb/parallel_sort.h>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -74,7 +75,7 @@ public:
                 edges_[3 * face + k] = {low << 32 | high, static_cast<std::uint32_t>(face), k};
             }
         });
-        tbb::parallel_sort(edges_.begin(), edges_.end());
+        sort_on_all_cores(edges_);
         check_pairs();
         starts_.assign(positions_.size() + 1, 0);
         for (const Triangle& triangle : mesh.triangles())

@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <filesystem>
 #include <limits>
 #include <new>
 #include <span>
@@ -267,13 +266,8 @@ std::string Canvas::pdf(double margin, double points_per_pixel) const {
     return bytes;
 }
 
-namespace fs = std::filesystem;
-
 std::string ending_of(const std::string& path, std::initializer_list<std::string_view> endings) {
-    std::string ending = fs::path(path).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](char letter) {
-        return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter;
-    });
+    const std::string ending = clsdf::ending_of(path);
     if (std::find(endings.begin(), endings.end(), ending) == endings.end())
         throw Error(ErrorCode::unsupported, fmt::format("{}: no picture format ends in \"{}\"; choose {}", path, ending,
                                                         fmt::join(endings, " or ")));

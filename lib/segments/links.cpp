@@ -2,6 +2,7 @@
 
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "core/parallel_sort.hpp"
 #include "segments/link_places.hpp"
 #include "segments/link_raster.hpp"
 #include "segments/link_table.hpp"
@@ -12,7 +13,6 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
@@ -170,7 +170,7 @@ Records sorted_records(PerThread& found) {
     for (const auto& own : found) count += own.size();
     records.reserve(count);
     for (auto& own : found) records.insert(records.end(), own.begin(), own.end());
-    tbb::this_task_arena::isolate([&] { tbb::parallel_sort(records.begin(), records.end()); });
+    sort_on_all_cores(records);
     return records;
 }
 

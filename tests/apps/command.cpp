@@ -124,6 +124,8 @@ BOOST_AUTO_TEST_CASE(needs_a_subcommand_and_its_arguments) {
     check_refused(run_command({"slice", "a.nrrd"}), 2, {"--output is required (the picture: .png"});
     check_refused(run_command({"check", "a.off"}), 2, {"FIELD"});
     check_refused(run_command({"shape"}), 2, {"name", "--list"});
+    check_refused(run_command({"shape", "knot", "--list"}), 2, {"--list", "SHAPE"});
+    check_refused(run_command({"shape", "-o", "knot.off", "--list"}), 2, {"--list", "--output"});
 }
 
 BOOST_AUTO_TEST_CASE(says_which_mesh_cannot_be_read_within_a_second_of_processor_time_and_writes_nothing) {

@@ -515,6 +515,9 @@ BOOST_AUTO_TEST_CASE(a_scene_has_a_field_that_the_reference_confirms) {
     check_refused(run_command({"compute", path, inputs.mesh, "-o", file}), 2, {"several files"});
     BOOST_TEST(run_command({"compute", path, "-o", inputs.folder.file("field.vdb")}).status != 0);
     BOOST_TEST(run_command({"compute", path, "--dry-run"}).status == 0);
+    check_refused(run_command({"check", path, file, "--floor", "-3"}), 2, {"--floor", "scene.json"});
+    const std::string capitals = inputs.folder.file("ARM.JSON", R"({"bodies": [{"mesh": "cube.off"}]})");
+    BOOST_TEST(run_command({"compute", capitals, "--dry-run"}).status == 0);
 }
 
 BOOST_AUTO_TEST_CASE(writes_the_group_of_the_nearest_triangle) {

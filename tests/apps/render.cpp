@@ -93,6 +93,7 @@ BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
     refused(2, {"\"w\"", "x, y or z"}, {"--cut", "w=1"});
     refused(2, {"cut at x = 9", "reaches from -1.2"}, {"--cut", "x=9"});
     refused(2, {"--offset", "'wide'"}, {"--offset", "wide"});
+    refused(2, {"--offset"}, {"--offset", ""});
     refused(2, {"band ends at distance 0.4", "wider band"}, {"--offset", "1"});
     refused(2, {"--rays", "'0'"}, {"--rays", "0"});
     refused(2, {"--perspective", "'-1'"}, {"--perspective", "-1"});

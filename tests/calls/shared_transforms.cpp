@@ -185,7 +185,7 @@ BOOST_AUTO_TEST_CASE(memory_without_a_whole_transform_is_refused_by_name) {
         refused(memory, "was changed");
         damaged = was;
     }
-    for (const auto& [at, said] : {std::pair{0, "the head is not of one"},
+    for (const auto& [at, said] : {std::pair{0, "the head has another name"},
                                    {8, "another byte order"},
                                    {12, "layout"},
                                    {16, "was the writer, and this is"},

@@ -77,7 +77,7 @@ BOOST_AUTO_TEST_CASE(bytes_that_are_no_whole_part_are_refused_by_name) {
         damaged[48 + random.index(bytes.size() - 48)] ^= std::byte{static_cast<unsigned char>(1U << random.index(8))};
         refused(damaged, "were changed");
     }
-    for (const auto& [at, said] : {std::pair{0, "the head is not of one"},
+    for (const auto& [at, said] : {std::pair{0, "the head has another name"},
                                    {8, "another byte order"},
                                    {12, "layout"},
                                    {16, "was the writer, and this is"},

@@ -305,6 +305,19 @@ BOOST_AUTO_TEST_CASE(any_mesh_in_memory_of_the_device_is_one_of_the_host) {
                  [&] { DistanceTransform(test_device(), arrays.view()); });
 }
 
+BOOST_AUTO_TEST_CASE(bodies_that_part_are_described_anew) {
+    const Mesh ball = make_shape("sphere3");
+    const auto apart = [&](double distance) { return together({ball, shifted(ball, {distance, 0, 0})}, "two balls"); };
+    BOOST_REQUIRE(apart(1).triangles().size() >= 1024U);
+    DistanceTransform transform(test_device(), apart(1), {.surface = Surface::outer});
+    BOOST_TEST(transform.topology().hidden_faces > 0U);
+    for (const double distance : {3.0, 1.0, 4.0, 4.5}) {
+        transform.set_positions(apart(distance).vertices());
+        const DistanceTransform expected(test_device(), apart(distance), {.surface = Surface::outer});
+        BOOST_TEST((transform.topology() == expected.topology()), distance);
+    }
+}
+
 // Denormal floats too, which a device may take for zeros.
 BOOST_AUTO_TEST_CASE(floats_of_all_sizes_are_the_doubles_of_the_host) {
     const Mesh small = in_floats(scaled(mesh(), 1e-40 / mesh().box().longest_side()));

@@ -6,6 +6,8 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <sys/resource.h>
+#include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -50,6 +52,25 @@ BOOST_AUTO_TEST_CASE(no_file_stays_without_finish) {
                  [&] { PartWriter(folder.file("parts.h5")).finish(); });
     check_throws(ErrorCode::invalid_argument, {"no bytes"}, [&] { PartWriter(folder.file("parts.h5")).append({}); });
     check_throws(ErrorCode::unsupported, {"parts are written as .h5"}, [&] { PartWriter(folder.file("parts.nrrd")); });
+    PartWriter(folder.file("PARTS.H5"));
+}
+
+// The next part would begin behind the bytes that were written before the failure.
+BOOST_AUTO_TEST_CASE(a_part_that_could_not_be_written_ends_the_file) {
+    const TemporaryFolder folder;
+    PartWriter writer(folder.file("parts.h5"));
+    writer.append(bytes_of(1));
+    const auto on_exceeding = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit limit{};
+    ::getrlimit(RLIMIT_FSIZE, &limit);
+    const rlimit small{6'000'000, limit.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    check_throws(ErrorCode::output_failure, {"parts.h5"}, [&] { writer.append(bytes_of(1)); });
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    std::signal(SIGXFSZ, on_exceeding);
+    check_throws(ErrorCode::invalid_argument, {"could not be written"}, [&] { writer.append(bytes_of(0)); });
+    check_throws(ErrorCode::invalid_argument, {"could not be written"}, [&] { writer.finish(); });
+    BOOST_TEST(std::filesystem::is_empty(std::filesystem::path(folder.file("parts.h5")).parent_path()));
 }
 
 BOOST_AUTO_TEST_CASE(files_that_are_damaged_or_have_no_parts_are_named) {

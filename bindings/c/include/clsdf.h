@@ -1028,9 +1028,9 @@ CLSDF_API clsdf_status clsdf_transform_part_bytes(const clsdf_transform* transfo
                                                   int64_t* count);
 /* The restricted transform of these bytes, without the mesh, on any device. They are of the same version of clsdf and
  * of this kind of machine; damaged or foreign bytes are CLSDF_INVALID_ARGUMENT. Their hash tells damage, not forgery.
- */
+ * kept_bytes: as of clsdf_transform_options; -1: the default. */
 CLSDF_API clsdf_status clsdf_transform_from_part(const clsdf_device* device, const uint8_t* bytes, int64_t count,
-                                                 int32_t index_base, clsdf_transform** transform);
+                                                 int32_t index_base, int64_t kept_bytes, clsdf_transform** transform);
 
 /* One copy of a prepared mesh for the processes of a node, in memory of the caller's that they share: POSIX shared
  * memory, a window of MPI, a mapped file. It begins at a multiple of 64 bytes.
@@ -1044,9 +1044,9 @@ CLSDF_API clsdf_status clsdf_transform_share(const clsdf_transform* transform, v
 /* A whole transform that reads the prepared mesh in place. The memory stays as it is, and may be read-only, until the
  * transform and its plans are destroyed. Memory without a complete transform, damaged, or of another version of clsdf
  * is CLSDF_INVALID_ARGUMENT: all of it is read once, and a hash tells damage, not forgery. A device with memory of its
- * own gets copies. */
+ * own gets copies. kept_bytes: as of clsdf_transform_options; -1: the default. */
 CLSDF_API clsdf_status clsdf_transform_from_shared(const clsdf_device* device, const void* memory, int64_t bytes,
-                                                   int32_t index_base, clsdf_transform** transform);
+                                                   int32_t index_base, int64_t kept_bytes, clsdf_transform** transform);
 
 /* New positions of all vertices, on the host or in a buffer; of a part with a margin, of those that it has. After an
  * error the positions are those of before. */

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,11 @@ using c::of;
 
 namespace {
 
+std::optional<std::size_t> kept_bytes_of(std::int64_t bytes, const char* name) {
+    if (bytes == -1) return std::nullopt;
+    return c::count_of(bytes, name);
+}
+
 TransformOptions options_of(const clsdf_transform_options* options) {
     const clsdf_transform_options from =
         c::read_struct(options, CLSDF_TRANSFORM_OPTIONS_INIT, "clsdf_transform_options");
@@ -28,7 +34,7 @@ TransformOptions options_of(const clsdf_transform_options* options) {
     to.surface = c::surface_of(from.surface, "clsdf_transform_options.surface");
     to.sign = c::sign_rule_of(from.sign, "clsdf_transform_options.sign");
     if (from.floor != std::numeric_limits<double>::max()) to.floor = from.floor;
-    if (from.kept_bytes != -1) to.kept_bytes = c::count_of(from.kept_bytes, "clsdf_transform_options.kept_bytes");
+    to.kept_bytes = kept_bytes_of(from.kept_bytes, "clsdf_transform_options.kept_bytes");
     return to;
 }
 
@@ -116,12 +122,13 @@ clsdf_status clsdf_transform_part_bytes(const clsdf_transform* transform, std::u
 }
 
 clsdf_status clsdf_transform_from_part(const clsdf_device* device, const std::uint8_t* bytes, std::int64_t count,
-                                       std::int32_t index_base, clsdf_transform** transform) {
+                                       std::int32_t index_base, std::int64_t kept_bytes, clsdf_transform** transform) {
     return made(transform, "transform", [&] {
         c::elements(bytes, count, "bytes");
         return new clsdf_transform(
             DistanceTransform::from_part(of(device).device,
-                                         std::as_bytes(std::span(bytes, static_cast<std::size_t>(count)))),
+                                         std::as_bytes(std::span(bytes, static_cast<std::size_t>(count))),
+                                         kept_bytes_of(kept_bytes, "kept_bytes")),
             c::checked_index_base(index_base));
     });
 }
@@ -143,12 +150,14 @@ clsdf_status clsdf_transform_share(const clsdf_transform* transform, void* memor
 }
 
 clsdf_status clsdf_transform_from_shared(const clsdf_device* device, const void* memory, std::int64_t bytes,
-                                         std::int32_t index_base, clsdf_transform** transform) {
+                                         std::int32_t index_base, std::int64_t kept_bytes,
+                                         clsdf_transform** transform) {
     return made(transform, "transform", [&] {
         const auto* const first = static_cast<const std::byte*>(memory);
         c::elements(first, bytes, "memory");
         return new clsdf_transform(
-            DistanceTransform::from_shared(of(device).device, {first, static_cast<std::size_t>(bytes)}),
+            DistanceTransform::from_shared(of(device).device, {first, static_cast<std::size_t>(bytes)},
+                                           kept_bytes_of(kept_bytes, "kept_bytes")),
             c::checked_index_base(index_base));
     });
 }

@@ -104,8 +104,8 @@ static void check_null(void) {
     NULL_FAILS(clsdf_transform_part_bytes(NULL, NULL, 0, &count));
     NULL_FAILS(clsdf_transform_prepared_bytes(NULL, &count));
     NULL_FAILS(clsdf_transform_share(NULL, NULL, 0));
-    NULL_FAILS(clsdf_transform_from_shared(NULL, NULL, 0, 0, &transform));
-    NULL_FAILS(clsdf_transform_from_part(NULL, NULL, 0, 0, &transform));
+    NULL_FAILS(clsdf_transform_from_shared(NULL, NULL, 0, 0, -1, &transform));
+    NULL_FAILS(clsdf_transform_from_part(NULL, NULL, 0, 0, -1, &transform));
     NULL_FAILS(clsdf_transform_set_positions(NULL, &array, NULL));
     NULL_FAILS(clsdf_transform_set_motion(NULL, three, three));
     NULL_FAILS(clsdf_compute(NULL, &grid, &band, &target, 1, NULL, NULL));

@@ -613,7 +613,8 @@ contains
     call check(all(phi(:3, :3, :3) == expected(middle(1):middle(1) + 2, middle(2):middle(2) + 2, &
         middle(3):middle(3) + 2)), 'a part of the domain')
     call part%part_bytes(bytes)
-    call of_bytes%create_from_part(device, bytes)
+    call of_bytes%create_from_part(device, bytes, kept_bytes=0_8, index_base=0)
+    call check(of_bytes%index_base() == 0, 'the index base of a part of bytes')
     phi(:3, :3, :3) = 0
     call of_bytes%compute(grid%part(middle, [3, 3, 3]), band, phi(:3, :3, :3))
     call check(all(phi(:3, :3, :3) == expected(middle(1):middle(1) + 2, middle(2):middle(2) + 2, &
@@ -630,6 +631,7 @@ contains
     first = 65 - int(modulo(transfer(c_loc(shared), 0_c_intptr_t), 64_c_intptr_t))
     call transform%share(c_loc(shared(first)), size_of_shared)
     call of_bytes%create_from_shared(device, c_loc(shared(first)), size_of_shared)
+    call check(of_bytes%index_base() == 1, 'the index base of a shared transform')
     phi(:3, :3, :3) = 0
     call of_bytes%compute(grid%part(middle, [3, 3, 3]), band, phi(:3, :3, :3))
     call check(all(phi(:3, :3, :3) == expected(middle(1):middle(1) + 2, middle(2):middle(2) + 2, &

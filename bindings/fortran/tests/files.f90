@@ -18,7 +18,7 @@ program files
   integer(c_int32_t), pointer :: triangles_of_slab(:, :, :, :), triangles_of_file(:, :, :, :)
   type(clsdf_sparse_writer) :: sparse_writer, sparse_copy
   real(4), allocatable, target :: expected(:, :, :), vectors(:, :, :, :), last(:, :, :, :)
-  integer, allocatable, target :: numbers(:, :, :)
+  integer, allocatable, target :: numbers(:, :, :), bodies(:, :, :)
   real(4), pointer :: phi(:, :, :), gradient(:, :, :, :)
   integer, pointer :: triangle(:, :, :)
   real(8), allocatable :: points(:, :)
@@ -102,6 +102,15 @@ program files
   call read_back('fortran_slices.nrrd', 'slices')
   call other%array(CLSDF_GRADIENT, gradient)
   call check(all(gradient == vectors .or. spread(numbers == 0, 1, 3)), 'slices: the gradients')
+
+  ! Bodies, from 1 on both ways.
+  bodies = min(numbers, 2)
+  call writer%create('fortran_bodies.h5', grid, band, outputs=[CLSDF_DISTANCE, CLSDF_BODY])
+  call writer%append([clsdf_target(CLSDF_DISTANCE, expected), clsdf_target(CLSDF_BODY, bodies)])
+  call writer%finish()
+  call clsdf_field_read('fortran_bodies.h5', other)
+  call other%array(CLSDF_BODY, triangle)
+  call check(all(triangle == bodies), 'bodies')
 
   ! Without finish() there is no file.
   call writer%create('fortran_never.nrrd', grid, band)

@@ -58,6 +58,12 @@ program fractions
   request%volume = clsdf_array(across_y)
   call surface%fraction_arrays([request], options, stat=stat, errmsg=errmsg)
   call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'volume')
+  ! Memory of a device is no array of the host.
+  request = clsdf_fraction_request()
+  request%grid = grid
+  request%volume = clsdf_array(c_loc(volume), CLSDF_FLOAT64)
+  call surface%fraction_arrays([request], options, stat=stat, errmsg=errmsg)
+  call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'device')
   options = clsdf_fraction_convention('vof', stat, errmsg)
   call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'vof')
 end program

@@ -24,7 +24,7 @@ def read_field(path: str | os.PathLike[str]) -> Field:
     """Reads a field by the file's ending, also one of another program. A band that the file does not state has no end;
     a sign rule that it does not state is 'auto'. Raises clsdf.Error: unreadable_input names the file and the value;
     unsupported for an unknown ending."""
-    return Field(*_core.read_field(os.fspath(path)))
+    return Field(*_core.read_field(os.fsdecode(path)))
 
 
 def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | None = None) -> None:
@@ -38,7 +38,7 @@ def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | Non
     if field.image is not None:
         from . import _images
 
-        _images.write(field, field.image, os.fspath(path))
+        _images.write(field, field.image, os.fsdecode(path))
         return
     writer = FieldWriter.__new__(FieldWriter)
     writer._open(
@@ -73,7 +73,7 @@ def write_overlapping_amr(fields: Iterable[Field], path: str | os.PathLike[str])
             raise Error(f"box {i} is {'positive' if one.positive_inside else 'negative'} inside, and box 0 is not: the file "
                         "has one convention, which it does not state")
     boxes = [(f.grid, {name: _packed(name, f.arrays[name]) for name in f.outputs}) for f in fields]
-    _core.write_overlapping_amr(os.fspath(path), boxes)
+    _core.write_overlapping_amr(os.fsdecode(path), boxes)
 
 
 class FieldWriter:
@@ -116,9 +116,11 @@ class FieldWriter:
         groups: Groups | None = None,
         floor: float | None = None,
     ) -> None:
+        if groups is not None and not isinstance(groups, Groups):
+            raise Error(f"groups: {repr(groups)[:100]} is no clsdf.Groups; read_mesh(path).groups is one")
         names: list[str] = [] if groups is None else groups.names
         numbers = None if groups is None else np.ascontiguousarray(groups.numbers, np.int32)
-        name = os.fspath(path)
+        name = os.fsdecode(path)
         self._path = name
         self._writer: _core.Writer | None = _core.writer(
             name, grid, band, sign, mesh_name, outputs, positive_inside, names, numbers, floor

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._complete import complete
 from ._core import Grid
 from ._error import Error
 from ._frames import into_frame
@@ -120,23 +119,8 @@ def write(field: Field, image: Image, path: str) -> None:
     if field.outputs != ("distance",):
         raise Error(f"{path}: files of images store the distance alone, and this field has {', '.join(field.outputs)}",
                     "unsupported")
-    _complete(path, ending, _write_nrrd if ending == ".nrrd" else _write_nifti, field, image)
-
-
-def _complete(path: str, ending: str, write_file: Callable[[str, Field, Image], None], field: Field, image: Image) -> None:
-    """Gives the file its name when it is complete."""
-    folder, name = os.path.split(path)
-    unfinished = os.path.join(folder, f".{name}.{os.getpid()}{ending}")
-    try:
-        try:
-            write_file(unfinished, field, image)
-            os.replace(unfinished, path)
-        except BaseException:
-            if os.path.exists(unfinished):
-                os.remove(unfinished)
-            raise
-    except OSError as error:
-        raise Error(f"{path} cannot be written: {error.strerror}", "output_failure") from error
+    write_image = _write_nrrd if ending == ".nrrd" else _write_nifti
+    complete(path, ending, lambda unfinished: write_image(unfinished, field, image))
 
 
 def _triple(numbers: Any) -> str:

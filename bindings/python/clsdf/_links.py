@@ -10,6 +10,7 @@ import numpy.typing as npt
 from . import _core
 from ._core import Grid
 from ._error import Error
+from ._values import real_of
 
 
 def grid_of(grid: Any) -> Grid:
@@ -117,9 +118,7 @@ def directions_of(directions: DirectionsLike) -> npt.NDArray[np.int32]:
 
 
 def is_in_floats(dtype: npt.DTypeLike) -> bool:
-    if np.dtype(dtype) not in (np.float32, np.float64):
-        raise Error(f"dtype is {np.dtype(dtype)}; q is float32 or float64")
-    return np.dtype(dtype) == np.float32
+    return real_of(np.float64 if dtype is None else dtype) == np.float32
 
 
 def is_of_faces(hits: str) -> bool:

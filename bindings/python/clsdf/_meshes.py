@@ -178,7 +178,10 @@ def refuse_graph(name: str, array: Any, remedy: str = "") -> None:
 
 def boxes_of(boxes: Any) -> npt.NDArray[np.float64]:
     """Lower and upper corners of boxes, (n, 2, 3)."""
-    corners = np.ascontiguousarray(boxes, np.float64)
+    try:
+        corners = np.ascontiguousarray(boxes, np.float64)
+    except (TypeError, ValueError):
+        raise Error(f"boxes: {repr(boxes)[:100]} is no array of numbers (n, 2, 3)") from None
     if corners.ndim != 3 or corners.shape[1:] != (2, 3):
         raise Error(f"boxes has the shape {corners.shape}; expected (n, 2, 3): lower and upper corner of each box")
     return corners
@@ -280,7 +283,7 @@ def read_mesh(
     A MeshWarning says what was skipped or changed. Raises clsdf.Error: unreadable_input or invalid_mesh that names the
     line or the element; unsupported for an unknown ending; invalid_argument unless scale > 0, or for a property that
     there is not."""
-    paths = [os.fspath(name) for name in (path, *more)]
+    paths = [os.fsdecode(name) for name in (path, *more)]
     vertices, faces, groups = _core.read_mesh(
         paths, number_of("scale", scale, "as 0.001, which makes metres of millimetres"), _three("translate", translate), up,
         _three("rotate", rotate), group_by, skip_bad_facets,

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ._complete import complete
 from ._error import Error
 from ._field import Field
 
@@ -48,11 +49,12 @@ class Picture:
         name = os.fsdecode(path)
         if not name.lower().endswith(".png"):
             raise Error(f"{name}: pictures are written as PNG; end the path with .png", "unsupported")
-        try:
-            with open(path, "wb") as file:
+
+        def write(unfinished: str) -> None:
+            with open(unfinished, "wb") as file:
                 file.write(self.png())
-        except OSError as error:
-            raise Error(f"{name} cannot be written: {error.strerror}", "output_failure") from error
+
+        complete(name, ".png", write)
 
 
 def slice_picture(

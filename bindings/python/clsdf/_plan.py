@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from . import _core
 from ._core import Band, Grid
+from ._error import Error
 from ._progress import Progress, shown
+from ._values import whole
 
 if TYPE_CHECKING:
     from ._lengths import BandLike
@@ -66,6 +68,8 @@ class Plan:
     ) -> None:
         """Prepares the next runs for the present positions of the transform: of the same boxes, of other grids whose
         samples fit the arrays, or of other requests. Blocks."""
+        if grids is not None and requests is not None:
+            raise Error("grids= and requests= exclude each other: a Request has its grid")
         with shown(progress) as show:
             if requests is not None:
                 self._plan.update_requests(transform._body, transform._requests(requests), show)
@@ -132,19 +136,19 @@ class SparsePlan:
         progress: Progress = None,
     ) -> None:
         """Prepares the next runs for the present positions of the transform: of the same field, or of another grid or band,
-        or with other room. Blocks."""
+        or with other room. Blocks. A width as the band has exact signs if the plan's band has them; a Band says so itself."""
         with shown(progress) as show:
             if grid is None and band is None and room is None:
                 self._plan.update(transform._body, show)
                 self._memory = transform._memory
                 return
             own_grid, own_band = transform._grid_and_band(
-                self.grid if grid is None else grid, self.band if band is None else band
+                self.grid if grid is None else grid,
+                self.band if band is None else band,
+                exact_signs=self.band.exact_signs and not isinstance(band, Band),
             )
-            bricks, runs = self.room if room is None else room
-            self._plan.update_field(
-                transform._body, own_grid, own_band, self._plan.outputs, (bricks, runs), show
-            )
+            own_room = self.room if room is None else room_of(room)
+            self._plan.update_field(transform._body, own_grid, own_band, self._plan.outputs, own_room, show)
             self._memory = transform._memory
 
 
@@ -251,7 +255,8 @@ class LinkPlan:
         Blocks. After an error the plan is as it was."""
         with shown(progress) as show:
             own_grid = self.grid if grid is None else grid
-            self._plan.update(transform._body, own_grid, self.room if room is None else room, show)
+            rows = self.room if room is None else whole("room", room, "links", least=0)
+            self._plan.update(transform._body, own_grid, rows, show)
             self._memory = transform._memory
 
 
@@ -266,6 +271,15 @@ class PointStatus(enum.IntEnum):
     #: exact arithmetic did not suffice for the sign: the distance is NaN, and there is no triangle. Only some points may be
     #: left so that have a coordinate which is not zero and smaller than 2^-300 of the mesh. query() has their sign.
     SIGN_OPEN = 3
+
+
+def room_of(room: Any) -> tuple[int, int]:
+    """Bricks and runs of a sparse plan."""
+    try:
+        bricks, runs = room
+    except (TypeError, ValueError):
+        raise Error(f"room: {room!r} is not two whole numbers, of bricks and of runs") from None
+    return whole("room", bricks, "bricks", least=0), whole("room", runs, "runs", least=0)
 
 
 def _arrays(out: Any) -> dict[str, Any]:

@@ -53,13 +53,13 @@ def pairs_of(first: Any, second: Any, first_name: str, second_name: str) -> tupl
     for name, shape in zip((first_name, second_name), shapes):
         if shape[-1:] != (3,) and shape != (0,):
             raise Error(f"{name} has the shape {shape}; expected (n, 3) or (..., 3), or (3,)")
-    if shapes[0] == shapes[1]:
-        rows, of_results = zip(*(rows_of(array) for array in arrays))
-        return rows[0], rows[1], of_results[0]
     for name, array in zip((first_name, second_name), arrays):
         if _cuda.is_in_cuda(array):
             raise Error(f"{name} is in memory of a device, and rays are looked up by the host; pass an array of the host",
                         "unsupported")
+    if shapes[0] == shapes[1]:
+        rows, of_results = zip(*(rows_of(array) for array in arrays))
+        return rows[0], rows[1], of_results[0]
     try:
         broadcast = np.broadcast_arrays(*(on_host(array) for array in arrays))
     except ValueError:
@@ -153,12 +153,13 @@ def by_limit(points: Any, limits: npt.NDArray[np.float64], side: float) -> Itera
         yield np.flatnonzero(exponents == exponent)
 
 
-def limit_each(arrays: dict[str, npt.NDArray[Any]], limits: npt.NDArray[np.float64]) -> None:
+def limit_each(points: npt.NDArray[Any], arrays: dict[str, npt.NDArray[Any]], limits: npt.NDArray[np.float64]) -> None:
     """Results, of which the distance is in double, as of points that are searched up to limits of their own."""
     distance = arrays["distance"]
     is_beyond = np.abs(distance) > limits
     distance[is_beyond] = np.copysign(limits, distance)[is_beyond]
-    is_lost = np.isnan(distance) & np.isfinite(limits)  # not finite or too far, in a group without a limit
+    # Too far, in a group without a limit.
+    is_lost = np.isnan(distance) & np.isfinite(limits) & np.isfinite(points).all(axis=-1)
     distance[is_lost] = limits[is_lost]
     is_beyond |= is_lost
     for name, array in arrays.items():

@@ -366,7 +366,7 @@ class Scene(WithFields):
     def classify(self, boxes: Any, half_width: float) -> npt.NDArray[np.uint8]:
         """The place of each box (n, 2, 3), as numbers of clsdf.BoxPlace: INSIDE if it is inside one of the bodies,
         OUTSIDE (BEYOND if no body has a sign) if it is that of all of them. As of Transform.classify()."""
-        return self._body.classify(_meshes.boxes_of(boxes), half_width)
+        return self._body.classify(_meshes.boxes_of(boxes), limit_of(half_width, "half_width"))
 
     def winding(self, points: ArrayLike) -> npt.NDArray[np.float64]:
         """The sum of the bodies' winding numbers, in their order: an array (...). As of Transform.winding()."""

@@ -99,7 +99,7 @@ class SparseField(Values):
         arrays = {name: _packed(array, type_of(name)[0]) for name, array in self.arrays.items()}
         bricks, inside = _packed(self.bricks, np.int64), _packed(self.inside, np.int64)
         _core.write_sparse(
-            os.fspath(path),
+            os.fsdecode(path),
             self.grid,
             self.band,
             self.sign,
@@ -133,7 +133,7 @@ def read_sparse_field(path: str | os.PathLike[str]) -> SparseField | None:
     """Reads the sparse field of a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb. None if the file has a dense field,
     which read_field() reads; that function also makes a sparse field dense. The bricks of .nvdb and .vdb are their leaves;
     samples beyond the grid have the background. Raises as read_field()."""
-    read = _core.read_sparse_field(os.fspath(path))
+    read = _core.read_sparse_field(os.fsdecode(path))
     if read is None:
         return None
     grid, band, sign, mesh_name, found, positive_inside, floor = read

@@ -23,12 +23,12 @@ from ._lengths import BandLike, LengthLike, band_on, parse_band, parse_length
 from ._points import arrays_for, by_limit, in_floats, in_numbers, limit_each, limit_of, limits_of, on_host, on_surface
 from ._points import pairs_of, rows_of
 from ._progress import Progress, shown
-from ._values import Blocks, Outputs, Points, given, new_samples, real_of, wanted
+from ._values import Blocks, Outputs, Points, given, new_samples, real_of, wanted, whole
 from ._field import Field
 from ._links import Crossings, DirectionsLike, Links, directions_of, grid_of, is_in_floats, is_of_faces
-from ._plan import LinkPlan, Plan, PointPlan, SparsePlan
+from ._plan import LinkPlan, Plan, PointPlan, SparsePlan, room_of
 from ._sparse import SparseField
-from ._with_fields import WithFields, whole as _whole
+from ._with_fields import WithFields
 from .typing import ArrayLike, DeviceLike, FrameLike, MeshLike, OutLike, RotationLike
 
 
@@ -311,7 +311,7 @@ class Transform(WithFields):
         in a random direction by up to that length, so it is at most that far from the surface. seed: of NumPy's
         default_rng(); the same seed gives the same points. query() has their distances. With surface='outer' each call
         makes the outer surface anew; sampling clsdf.outer(mesh).mesh does not."""
-        count, radius = _whole("n", n, "points"), limit_of(within)
+        count, radius = whole("n", n, "points"), limit_of(within)
         if count < 0 or not 0 <= radius < math.inf:
             raise Error(f"sample takes a number of points and a length, each 0 or more; not {n!r} and {within!r}")
         vertices, faces = self.vertices, self.faces
@@ -442,7 +442,7 @@ class Transform(WithFields):
         corners = [tuple(row) for row in rows.tolist()]
         if np.shape(size) != (3,):
             raise Error(f"size: {size!r} is not three numbers of samples (nx, ny, nz)")
-        shape = (len(corners), *reversed([_whole("size", side) for side in size]))
+        shape = (len(corners), *reversed([whole("size", side) for side in size]))
         arrays = new_samples(wanted(outputs or ()), shape) if out is None else given(out, outputs)
         with self._turn(progress, "blocks", arrays) as show:
             self._body.compute_blocks(lattice, own_band, size, corners, arrays, show, wait_for)
@@ -465,14 +465,14 @@ class Transform(WithFields):
         """A field of any size as an iterator of its slabs: Fields of whole slices, in the order of z, at most about 16
         million samples at a time. Options: as of field(). Each slab is computed when it is asked for; the bytes are
         those of the whole."""
-        whole, own_band = self._grid_and_band(
+        all_of_it, own_band = self._grid_and_band(
             grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
         )
         outputs = wanted(outputs)
-        self._warn_of_narrow(whole, own_band)
+        self._warn_of_narrow(all_of_it, own_band)
         return (
             self._computed(part, own_band, new_samples(outputs, part.shape), positive_inside)
-            for part in _core.slabs_of(whole)
+            for part in _core.slabs_of(all_of_it)
         )
 
     def sparse(
@@ -559,7 +559,7 @@ class Transform(WithFields):
         self._warn_of_narrow(grid, own_band)
         with self._turn(progress, "sparse", wanted(outputs)) as show:
             _core.compute_sparse_file(
-                self._body, os.fspath(path), grid, own_band, wanted(outputs), self.sign, self.mesh_name, show, self.floor
+                self._body, os.fsdecode(path), grid, own_band, wanted(outputs), self.sign, self.mesh_name, show, self.floor
             )
 
     def compile(
@@ -650,7 +650,7 @@ class Transform(WithFields):
                 for name, array in arrays.items()
             }
             yield some, float(own.max(initial=0)), found
-            limit_each(found, own)
+            limit_each(some, found, own)
             for name, array in arrays.items():
                 array[rows] = found[name]
 
@@ -751,7 +751,8 @@ class Transform(WithFields):
         blocking. Options: as of links(). The links are found now and at each update, on a GPU by kernels."""
         grid, own = grid_of(grid), directions_of(directions)
         with shown(progress) as show:
-            plan = _core.plan_of_links(self._body, grid, own, room, is_of_faces(hits), with_between, show)
+            rows = whole("room", room, "links", least=0)
+            plan = _core.plan_of_links(self._body, grid, own, rows, is_of_faces(hits), with_between, show)
             return self._reading(LinkPlan(plan))
 
     def count_links(
@@ -799,7 +800,7 @@ class Transform(WithFields):
         """
         from_points, along, shape = pairs_of(origins, directions, "origins", "directions")
         count = _cuda.shape_of(from_points)[0]
-        components = 1 if most is None else _whole("most", most, "hits")
+        components = 1 if most is None else whole("most", most, "hits")
         if components < 1:
             raise Error(f"most: {most!r} hits of each ray; ask for 1 or more")
         t = np.empty((count, components), real_of(dtype))
@@ -963,6 +964,8 @@ class Transform(WithFields):
         what: a Grid, with band and outputs as of field(); each Plan.enqueue() gets the arrays then. Or Requests with
         pyopencl arrays of the device's context.
         """
+        if not isinstance(what, Grid) and (band != "full" or wanted(outputs) != ("distance",) or exact_signs):
+            raise Error("plan: a Request has its own band and outputs; band=, outputs= and exact_signs= are for a Grid")
         with self._turn(progress, "plan", wanted(outputs)) as show:
             if isinstance(what, Grid):
                 grid, own_band = self._grid_and_band(what, band, exact_signs=exact_signs)
@@ -985,8 +988,7 @@ class Transform(WithFields):
         """
         with self._turn(progress, "sparse plan", wanted(outputs)) as show:
             own_grid, own_band = self._grid_and_band(grid, band, exact_signs=exact_signs)
-            bricks, runs = room
-            plan = _core.sparse_plan(self._body, own_grid, own_band, wanted(outputs), (bricks, runs), show)
+            plan = _core.sparse_plan(self._body, own_grid, own_band, wanted(outputs), room_of(room), show)
             return self._reading(SparsePlan(plan))
 
     def plan_points(
@@ -1000,7 +1002,8 @@ class Transform(WithFields):
         or greater than 2^300; unsupported for a restricted transform.
         """
         with self._turn(progress, "point plan", wanted(outputs)) as show:
-            points = _core.plan_of_points(self._body, count, limit_of(within), wanted(outputs), show)
+            most = whole("count", count, "points", least=1)
+            points = _core.plan_of_points(self._body, most, limit_of(within), wanted(outputs), show)
             return self._reading(PointPlan(points))
 
     def plan_bytes(self, requests: Iterable[Request], *, progress: Progress = None) -> int:

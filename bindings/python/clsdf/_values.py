@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import sys
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
@@ -54,6 +55,20 @@ def shape_of(output: str, shape: tuple[int, ...]) -> tuple[int, ...]:
     """The shape of the output's array; a vector has one axis more than the samples."""
     components = _types[output][1]
     return shape if components == 1 else (*shape, components)
+
+
+def whole(what: str, value: Any, of: str = "samples", least: int | None = None) -> int:
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        number = operator.index(value)
+    except TypeError:
+        raise Error(f"{what}: {value!r} is not a whole number of {of}") from None
+    if least is not None and number < least:
+        raise Error(f"{what}: {value!r} {of} are too few; {least} are the fewest")
+    if not -(2**63) <= number < 2**63:
+        raise Error(f"{what}: {value!r} {of} are too many")
+    return number
 
 
 def real_of(dtype: npt.DTypeLike | None) -> np.dtype[Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
 import warnings
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
@@ -19,20 +18,12 @@ from ._field import Field
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
 from ._progress import Progress, ProgressFunction
 from ._turns import taken
-from ._values import Outputs, given, new_samples, wanted
+from ._values import Outputs, given, new_samples, wanted, whole
 from .typing import OutLike
 
 
-def whole(what: str, value: Any, of: str = "samples") -> int:
-    try:
-        if isinstance(value, bool):
-            raise TypeError
-        number = operator.index(value)
-    except TypeError:
-        raise Error(f"{what}: {value!r} is not a whole number of {of}") from None
-    if not -(2**63) <= number < 2**63:
-        raise Error(f"{what}: {value!r} {of} are too many")
-    return number
+def _any_given(*options: Any) -> bool:
+    return any(value is not None and value is not False for value in options)
 
 
 def _steps(spacing: float | Sequence[float] | None) -> tuple[float, float, float] | None:
@@ -106,7 +97,7 @@ class WithFields:
             )
         elif not isinstance(grid, Grid):
             raise Error(f"grid: {grid!r} is not a clsdf.Grid; resolution= takes a number of samples")
-        elif any(value not in (None, False) for value in (resolution, spacing, margin, cubic, cell_centred)):
+        elif _any_given(resolution, spacing, margin, cubic, cell_centred):
             raise Error("a grid that is given excludes resolution=, spacing=, margin=, cubic= and cell_centred=")
         own_band = self._band_on(grid, band)
         if exact_signs and not own_band.exact_signs:
@@ -166,11 +157,12 @@ class WithFields:
         array that is read-only, wrongly shaped, byte-swapped or overlaps another; out_of_memory, device_failure.
         """
         if image is not None:
-            others = (grid, resolution, spacing, margin, cubic, cell_centred, out, wait_for)
-            if any(value is not None and value is not False for value in others):
+            if _any_given(grid, resolution, spacing, margin, cubic, cell_centred, out, wait_for):
                 raise Error("image= excludes grid=, the options of a grid, out= and wait_for=")
             of_image = self._default_band if band is None else band
             return self._field_of_image(image, of_image, outputs, exact_signs, positive_inside, progress, dtype)
+        if isinstance(out, Field) and out.image is not None:
+            raise Error("out: a field of an image, whose grid is that of the image's frame; ask for a new one by image=")
         if grid is None and isinstance(out, Field):
             grid = out.grid
         if band is None:

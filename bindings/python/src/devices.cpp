@@ -7,8 +7,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
+#include <climits>
 #include <cstdint>
 #include <cstdlib>
 #include <functional>
@@ -78,9 +80,15 @@ PyDevice device_of_queue(nb::handle queue) {
     return opened([&] { return Device::from_handles(context, device, own); });
 }
 
-PyDevice limited(const PyDevice& device, std::optional<unsigned> compute_units, std::optional<std::size_t> memory) {
+PyDevice limited(const PyDevice& device, nb::handle compute_units, nb::handle memory) {
+    DeviceLimits limits;
+    if (!compute_units.is_none()) {
+        const std::size_t units = count_of(compute_units, "limited(): compute_units");
+        limits.compute_units = static_cast<unsigned>(std::min<std::size_t>(units, UINT_MAX));
+    }
+    if (!memory.is_none()) limits.memory = count_of(memory, "limited(): memory");
     const Device& whole = device.get();
-    return PyDevice(without_gil([&] { return whole.limited({compute_units, memory}); }));
+    return PyDevice(without_gil([&] { return whole.limited(limits); }));
 }
 
 void add_infos(nb::module_& module) {
@@ -173,6 +181,7 @@ void add_devices(nb::module_& module) {
             "from_queue", &device_of_queue, nb::arg("queue"), nb::sig("def from_queue(queue: object) -> Device"),
             "The device, context and queue of a pyopencl.CommandQueue. Arrays of that context can be written to.")
         .def("limited", &limited, nb::arg("compute_units") = nb::none(), nb::arg("memory") = nb::none(),
+             nb::sig("def limited(self, compute_units: int | None = None, memory: int | None = None) -> Device"),
              "The same device with at most so many compute units (cores of a processor), and so many bytes for the\n"
              "buffers of each transform. None: all. Raises clsdf.Error (unsupported) if it cannot be divided.")
         .def(

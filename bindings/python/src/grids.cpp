@@ -103,8 +103,9 @@ AxisCounts counts_of(nb::handle counts, const char* what) {
     refuse(fmt::format("{}: expected a whole number or three, not {}", what, nb::cast<std::string>(nb::repr(counts))));
 }
 
-Grid between(const Vec3& lower, const Vec3& upper, nb::handle samples, nb::handle cells, bool cell_centred) {
-    return Grid::between(lower, upper, {counts_of(samples, "samples"), counts_of(cells, "cells"), cell_centred});
+Grid between(nb::handle lower, nb::handle upper, nb::handle samples, nb::handle cells, bool cell_centred) {
+    const Vec3 low = numbers_of(lower, "lower"), high = numbers_of(upper, "upper");
+    return Grid::between(low, high, {counts_of(samples, "samples"), counts_of(cells, "cells"), cell_centred});
 }
 
 std::pair<Vec3, Vec3> pair_of(const Box& box) {

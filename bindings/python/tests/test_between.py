@@ -221,6 +221,7 @@ def test_what_is_no_image(body, tmp_path):
     image = OfItk((0, 0, 0), (1, 1, 1), (4, 4, 4), np.eye(3))
     for call, message in (
         (lambda: body.field(image=np.zeros((4, 4, 4))), "a numpy.ndarray is no image"),
+        (lambda: body.field(out=body.field(image=image, band="full")), "out: a field of an image"),
         (lambda: body.field(image=image, resolution=8), "image= excludes"),
         (lambda: body.field(image=image, out=np.zeros((4, 4, 4))), "image= excludes"),
         (lambda: body.field(image=OfItk((0, 0, 0), (1, 1, 1), (4, 4, 4), [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]])), "right angles"),

@@ -63,6 +63,20 @@ WRONG = {
     "ragged mesh": (lambda b, g: clsdf.Transform([[0, 0, 0], [1, 2]], [[0, 1, 2]]), "its rows differ in length"),
     "band of a writer": (lambda b, g: clsdf.FieldWriter("y.nrrd", g, "10%", b.sign), "part of the mesh's box"),
     "grid of a writer": (lambda b, g: clsdf.FieldWriter("y.nrrd", 8, 0.1, b.sign), "grid: 8, a int, is no clsdf.Grid"),
+    "spacing beside a grid": (lambda b, g: b.field(g, spacing=np.array([1, 1, 1])), "a grid that is given excludes"),
+    "dtype of links": (lambda b, g: b.links(g, dtype="foo"), "dtype: 'foo' is neither"),
+    "points of a plan": (lambda b, g: b.plan_points(1e6), "count: 1000000.0 is not a whole number of points"),
+    "fewer points": (lambda b, g: b.plan_points(-1), "count: -1 points are too few"),
+    "room of links": (lambda b, g: b.plan_links(g, room=1.5), "room: 1.5 is not a whole number of links"),
+    "room of bricks": (lambda b, g: b.sparse_plan(g, 100), "room: 100 is not two whole numbers"),
+    "half of a brick": (lambda b, g: b.sparse_plan(g, (1.5, 2)), "room: 1.5 is not a whole number of bricks"),
+    "memory of a device": (lambda b, g: b.device.limited(memory=2e9), "memory: 2000000000.0 is not a whole number"),
+    "units of a device": (lambda b, g: b.device.limited(compute_units=-1), "compute_units: -1 is negative"),
+    "boxes of a scene": (lambda b, g: clsdf.Scene().classify(np.zeros((1, 2, 3)), "0.1"), "half_width: '0.1' is not a number"),
+    "a plan of requests": (lambda b, g: b.plan([], exact_signs=True), "a Request has its own band and outputs"),
+    "corners of a grid": (lambda b, g: clsdf.Grid.between(0, 1, cells=64), "lower: expected three numbers"),
+    "ragged boxes": (lambda b, g: b.classify([[[0, 0, 0], [1, 1]]], 0.1), "is no array of numbers"),
+    "groups": (lambda b, g: clsdf.write_field(b.field(g), "y.h5", groups=3), "groups: 3 is no clsdf.Groups"),
     "scene": (lambda b, g: clsdf.Transform(types.SimpleNamespace(geometry={}, graph=None)), "scene of meshes: pass scene.to_mesh"),
     "unstructured grid": (
         lambda b, g: clsdf.Transform(types.SimpleNamespace(points=[], cells_dict={10: []}, extract_surface=None)),
@@ -76,6 +90,17 @@ def test_a_wrong_call_is_told_what_to_write(body, name):
     call, message = WRONG[name]
     with pytest.raises(clsdf.InvalidArgument, match=message):
         call(body, body.grid(8))
+
+
+class InCuda:
+    shape = (2, 3)
+    __cuda_array_interface__ = {"shape": (2, 3), "typestr": "<f8", "data": (4096, False), "version": 3}
+
+
+def test_rays_are_looked_up_by_the_host(body):
+    for call in (body.rays, body.any_hit, body.visible):
+        with pytest.raises(clsdf.Unsupported, match="is in memory of a device"):
+            call(InCuda(), InCuda())
 
 
 def test_a_writer_takes_lengths_and_fields_alone(body, tmp_path):
@@ -96,6 +121,11 @@ def test_a_picture_is_saved_as_png_alone(body, tmp_path):
     with pytest.raises(clsdf.OutputFailure, match="x.png cannot be written: No such file"):
         picture.save(tmp_path / "no" / "x.png")
     picture.save(tmp_path / "x.PNG")
+    old = (tmp_path / "x.PNG").read_bytes()
+    picture.png = None
+    with pytest.raises(TypeError):
+        picture.save(tmp_path / "x.PNG")
+    assert [path.name for path in tmp_path.iterdir()] == ["x.PNG"] and (tmp_path / "x.PNG").read_bytes() == old
 
 
 def test_within_none_is_no_limit(body, points):

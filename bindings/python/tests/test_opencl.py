@@ -280,6 +280,12 @@ def test_a_sparse_field_stays_on_the_device(solid, queue):
         moving.set_motion(np.eye(3), (0.01, 0, 0))
         plan.update(moving)
     assert plan.sign == "nonzero" and plan.device_bytes > 0 and "room for" in repr(plan)
+    exact = moving.sparse_plan(grid, plan.room, exact_signs=True)
+    for band, is_exact in (("2v", True), (clsdf.Band(0.1), False)):
+        exact.update(moving, band=band)
+        assert exact.band.exact_signs == is_exact
+    with pytest.raises(clsdf.Error, match="exclude each other"):
+        moving.plan(grid).update(moving, grids=[grid], requests=[])
     with pytest.raises(clsdf.Error, match="'bricks' has another shape"):
         plan.enqueue(out={**out, "bricks": counts})
     with pytest.raises(clsdf.Error, match="'counts' has float; give it int64"):

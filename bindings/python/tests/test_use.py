@@ -196,8 +196,13 @@ def test_each_point_may_have_its_limit(body, points):
     assert np.array_equal(deep.distance.ravel(), found.distance)
     many[7] = np.nan
     with pytest.warns(clsdf.MeshWarning) as warned:
-        assert body.query(many, within=limits).distance[7] == np.float32(limits[7])  # as with a limit for all
-    assert len(warned) == 1
+        found = body.query(many, within=limits)
+    assert len(warned) == 1 and np.isnan(found.distance[7])  # as with a limit for all
+    lost = [[np.nan, 0, 0], [1e30, 0, 0]]
+    for within, of_the_far_one in ((0.5, 0.5), ([0.5, 0.5], 0.5), ([np.inf, 0.5], 0.5), ([0.5, np.inf], np.nan)):
+        with pytest.warns(clsdf.MeshWarning):
+            found = body.query(lost, within=within, dtype="float64").distance
+        assert np.array_equal(found, [np.nan, of_the_far_one], equal_nan=True)
     with pytest.raises(clsdf.Error, match=r"\b7\b"):
         body.query(many, within=limits, refuse_unusable_points=True)
     for wrong, message in ((limits[:5], r"shape \(5,\); expected a number, or \(3000,\)"), (-limits, "below 0 or NaN"),

@@ -106,7 +106,7 @@ void for_each_site(const MeshTopology& topology, const Function& f) {
     });
     for_each_index(topology.order.size(), [&](std::size_t face) {
         if (face > 0 && topology.order[face] == topology.order[face - 1]) return;  // it fills up a group of records
-        const auto& [across, marks] = topology.edges.faces[face];
+        const auto& [across, marks, unused] = topology.edges.faces[face];
         for (std::uint32_t k = 0; k < 3; ++k) {
             if (marks[k] & edge_non_manifold) continue;
             std::array<SiteOfFace, 2> faces{edge_of(topology, {static_cast<std::uint32_t>(face), k})};

@@ -34,6 +34,7 @@ enum EdgeMark : std::uint8_t {
 struct FaceEdges {
     std::array<std::uint32_t, 3> across;  ///< the other face's edge, packed, if there is exactly one other face
     std::array<std::uint8_t, 3> marks;    ///< EdgeMark
+    std::uint8_t unused;                  ///< 0: bytes that are archived have no padding
 };
 
 inline bool has_mark(std::span<const FaceEdges> faces, const Corner& edge, EdgeMark mark) {

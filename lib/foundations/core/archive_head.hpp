@@ -23,7 +23,7 @@ struct ArchiveHead {
 
 /// Why a program whose own head is `own` cannot read what follows a head; nothing if it can.
 inline std::optional<std::string> obstacle_to_reading(const ArchiveHead& head, const ArchiveHead& own) {
-    if (head.name != own.name) return "the head is not of one";
+    if (head.name != own.name) return "the head has another name";
     if (head.byte_order != own.byte_order) return "a machine of another byte order was the writer";
     if (head.layout != own.layout || head.version != own.version)
         return fmt::format("clsdf of the version number {} (layout {}) was the writer, and this is {} (layout {})",

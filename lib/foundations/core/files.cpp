@@ -60,6 +60,13 @@ std::string without_links(fs::path path) {
 
 }  // namespace
 
+std::string ending_of(const std::string& path) {
+    std::string ending = fs::path(path).extension().string();
+    for (char& letter : ending)
+        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter + 32);
+    return ending;
+}
+
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
     if (path_.empty()) fail(ENOENT);
     if (const int stream = standard_stream(path_); stream >= 0) {

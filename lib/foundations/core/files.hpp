@@ -12,6 +12,9 @@
 
 namespace clsdf {
 
+/// The ending of a file's name in lower case, as ".h5"; empty if it has none. Formats are chosen by it.
+std::string ending_of(const std::string& path);
+
 /// A file descriptor that is closed at the end of its scope; negative if there is none.
 class Descriptor {
 public:

@@ -422,9 +422,9 @@ public:
     /// vertex, unless it is 0, is smaller than 2^-300 units or greater than 2^300. A unit is the greatest power of two
     /// not above 1/256 of the longest side of the mesh's box. Other meshes are refused.
     ///
-    /// Throws Error(invalid_argument) for no points or 2^32 and more, for a `half_width` as query() does, and for a
-    /// mesh with such a coordinate; Error(unsupported) for a restricted transform; Error(out_of_memory, device_failure,
-    /// wrong_results or cancelled).
+    /// Throws Error(invalid_argument) for no points or more than 2^32 - 2, for a `half_width` as query() does, and for
+    /// a mesh with such a coordinate; Error(unsupported) for a restricted transform; Error(out_of_memory,
+    /// device_failure, wrong_results or cancelled).
     PointPlan plan_points(std::size_t count, double half_width, OutputSet outputs = Output::distance,
                           const CallOptions& call = {}) const;
 

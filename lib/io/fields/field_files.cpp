@@ -49,10 +49,7 @@ std::string endings() {
 }  // namespace
 
 const Format& format_of(const std::string& path, ErrorCode code) {
-    std::string ending = fs::path(path).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](char letter) {
-        return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter;
-    });
+    const std::string ending = ending_of(path);
     for (const Format& format : formats)
         if (format.ending == ending) return format;
     throw Error(code, fmt::format("{}: no field format ends in \"{}\"; choose {}", path, ending, endings()));

@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <cstring>
 #include <deque>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <span>
@@ -25,10 +24,6 @@
 namespace clsdf {
 
 namespace {
-
-std::string ending_of(const std::string& path) {
-    return std::filesystem::path(path).extension().string();
-}
 
 /// Arrays that are made for a file.
 class Arrays {

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -81,8 +80,15 @@ private:
     std::vector<std::uint64_t> sizes_;
 };
 
+namespace {
+
+constexpr const char* no_file =
+    "the file of parts has been finished, or a part could not be written; begin again with a new writer";
+
+}  // namespace
+
 PartWriter::PartWriter(const std::string& path) {
-    if (std::filesystem::path(path).extension() != ".h5")
+    if (ending_of(path) != ".h5")
         throw Error(ErrorCode::unsupported, fmt::format("{}: parts are written as .h5", path));
     file_ = std::make_unique<PartFile>(path);
 }
@@ -91,13 +97,16 @@ PartWriter& PartWriter::operator=(PartWriter&&) noexcept = default;
 PartWriter::~PartWriter() = default;
 
 void PartWriter::append(std::span<const std::byte> bytes) {
-    if (!file_) throw Error(ErrorCode::invalid_argument, "the file of parts has been finished");
+    if (!file_) throw Error(ErrorCode::invalid_argument, no_file);
     if (bytes.empty()) throw Error(ErrorCode::invalid_argument, fmt::format("{}: a part has no bytes", file_->path()));
-    file_->append(bytes);
+    // After a failure some of the part's bytes may be there: the next part would begin behind them.
+    std::unique_ptr<PartFile> file = std::move(file_);
+    file->append(bytes);
+    file_ = std::move(file);
 }
 
 void PartWriter::finish() {
-    if (!file_) throw Error(ErrorCode::invalid_argument, "the file of parts has been finished");
+    if (!file_) throw Error(ErrorCode::invalid_argument, no_file);
     if (file_->is_empty()) throw Error(ErrorCode::invalid_argument, fmt::format("{}: there is no part", file_->path()));
     std::exchange(file_, nullptr)->finish();
 }

@@ -14,7 +14,6 @@
 #include <array>
 #include <cstring>
 #include <deque>
-#include <filesystem>
 
 namespace clsdf {
 
@@ -137,10 +136,6 @@ void write_npz(const std::string& path, std::span<const FileArray> arrays) {
 }
 
 namespace {
-
-std::string ending_of(const std::string& path) {
-    return std::filesystem::path(path).extension().string();
-}
 
 /// The arrays of a file, and those of their values that are made for it.
 class Arrays {

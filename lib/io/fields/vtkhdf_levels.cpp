@@ -78,8 +78,9 @@ Vec3 place(std::span<const CellBox> boxes, std::vector<Level>& levels) {
                 const double first = std::round(cell), last = first + static_cast<double>(grid.size[axis]) - 1;
                 if (std::abs(cell - first) > 1e-3)
                     refuse(i, fmt::format("its cells lie {:g} cells beside those of the coarsest level", cell - first));
-                if (std::max(std::abs(first), std::abs(last)) > std::numeric_limits<std::int32_t>::max())
-                    refuse(i, fmt::format("VTK counts no cell {:g}", first));
+                const double farthest = std::abs(first) > std::abs(last) ? first : last;
+                if (std::abs(farthest) > std::numeric_limits<std::int32_t>::max())
+                    refuse(i, fmt::format("VTK counts no cell {:.0f}", farthest));
                 level.extents.push_back(static_cast<std::int32_t>(first));
                 level.extents.push_back(static_cast<std::int32_t>(last));
             }
