@@ -21,7 +21,7 @@ CLSDF_SEVERAL_TARGETS void add_turns(const LatticeCorner* corners, std::size_t c
         Vector re, im, halves;
     };
     const Vector zero{}, one = zero + 1;
-    std::array<Row, lanes> rows;
+    std::array<Row, lanes> rows{};
     Vector offsets;
     for (std::size_t l = 0; l < lanes; ++l) offsets[l] = place.x + static_cast<double>(l);
     for (std::size_t n = 0; n < lanes; ++n)
