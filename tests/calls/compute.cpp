@@ -86,17 +86,22 @@ BOOST_AUTO_TEST_CASE(a_call_in_tasks_that_are_cancelled_is_complete) {
         return values;
     };
     const std::vector<float> expected_distances = distances_by(DistanceTransform(test_device(), dense()));
-    const auto links_by = [](const DistanceTransform& transform) {
-        return transform.links(around_dense(), stencil("D3Q19"), {.with_between = true});
+    // Thousands of links that meet four faces.
+    const Mesh ball = make_shape("sphere3");
+    const Mesh onion = together({ball, scaled(ball, 0.99), scaled(ball, 0.98), scaled(ball, 0.97)}, "onion");
+    const auto links_of_onion = [&] {
+        return DistanceTransform(test_device(), onion)
+            .links(grid_around(onion, 30, 2), stencil("D3Q19"), {.hits = Hits::faces});
     };
-    const Links expected_links = links_by(DistanceTransform(test_device(), dense()));
+    const Links expected_links = links_of_onion();
+    BOOST_TEST(std::ranges::count(expected_links.counts, 4U) > 1000);
     tbb::task_group tasks;
     tasks.run_and_wait([&] {
         tasks.cancel();
         const DistanceTransform transform(test_device(), dense());
         BOOST_TEST(same_bytes(transform.compute(around_dense(), Band::full(), all_outputs()), expected));
         BOOST_TEST((distances_by(transform) == expected_distances));
-        const Links links = links_by(transform);
+        const Links links = links_of_onion();
         BOOST_TEST((links.q == expected_links.q && links.triangles == expected_links.triangles &&
                     links.counts == expected_links.counts));
     });
