@@ -121,11 +121,10 @@ make_libraries() {
     unpack hdf5 h/hdf5/hdf5_1.10.8+repack1.orig.tar.gz 7b38e58ff83b13fd8959a90b13bf896bc318ba096c940ab0847abf3ad41a0b31
     # The archives have Debian 12's own version, 2.3.1, no more.
     unpack ocl-icd o/ocl-icd/ocl-icd_2.3.4.orig.tar.gz 1a302b71b7304cca5a36f69d017b1af2b762cc4c2dd1c0c0e2fc1933db25c9cc
-    # HDF5's functions have a version, so that clsdf finds its own beside another HDF5 that has some, as Debian's.
     {
         build onetbb -DTBB_TEST=OFF -DTBB_STRICT=OFF -DTBBMALLOC_BUILD=OFF -DTBB_DISABLE_HWLOC_AUTOMATIC_SEARCH=ON &&
             build fmtlib -DFMT_DOC=OFF -DFMT_TEST=OFF &&
-            LDFLAGS=-Wl,--default-symver build hdf5 -DBUILD_STATIC_LIBS=OFF -DBUILD_TESTING=OFF -DHDF5_BUILD_TOOLS=OFF -DHDF5_BUILD_EXAMPLES=OFF \
+            build hdf5 -DBUILD_STATIC_LIBS=OFF -DBUILD_TESTING=OFF -DHDF5_BUILD_TOOLS=OFF -DHDF5_BUILD_EXAMPLES=OFF \
                 -DHDF5_BUILD_HL_LIB=OFF -DHDF5_BUILD_CPP_LIB=OFF -DHDF5_ENABLE_Z_LIB_SUPPORT=ON \
                 -DHDF5_ENABLE_SZIP_SUPPORT=ON -DHDF5_ENABLE_SZIP_ENCODING=ON &&
             (

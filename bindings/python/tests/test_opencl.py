@@ -148,7 +148,7 @@ def test_a_plan_of_points_stays_on_the_device(solid, body, queue, points):
         plan.enqueue(there[:, :3], out={**out, "distance": there[:, 0]})
     with pytest.raises(clsdf.Error, match="triangle has no target"):
         plan.enqueue(there[:, :3], out=there[:, 3])
-    with pytest.raises(clsdf.Error, match="takes 0 points"):
+    with pytest.raises(clsdf.Error, match="0 points are too few; 1 are the fewest"):
         moving.plan_points(0)
 
 
