@@ -16,7 +16,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <filesystem>
 #include <limits>
 #include <new>
 #include <span>
@@ -79,13 +78,13 @@ constexpr std::array<std::pair<std::string_view, const char*>, 6> packing_progra
 }  // namespace
 
 MeshFormat format_of_ending(const std::string& path) {
-    const std::string ending = std::filesystem::path(path).extension().string();
-    if (equals_ignoring_case(ending, ".off")) return MeshFormat::off;
-    if (equals_ignoring_case(ending, ".obj")) return MeshFormat::obj;
-    if (equals_ignoring_case(ending, ".stl")) return MeshFormat::stl;
-    if (equals_ignoring_case(ending, ".ply")) return MeshFormat::ply;
+    const std::string ending = ending_of(path);
+    if (ending == ".off") return MeshFormat::off;
+    if (ending == ".obj") return MeshFormat::obj;
+    if (ending == ".stl") return MeshFormat::stl;
+    if (ending == ".ply") return MeshFormat::ply;
     for (const auto& [packed, program] : packing_programs)
-        if (equals_ignoring_case(ending, packed))
+        if (ending == packed)
             throw Error(ErrorCode::unsupported,
                         fmt::format("'{0}' is compressed, by its ending; unpack it first, with '{1} {0}', and give the "
                                     "file .off, .obj, .stl or .ply that comes out",

@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 #include <limits>
 #include <new>
@@ -29,10 +28,10 @@ namespace {
 enum class PointFormat { npy, csv, ply };
 
 PointFormat format_of_points(const std::string& path) {
-    const std::string ending = std::filesystem::path(path).extension().string();
-    if (equals_ignoring_case(ending, ".npy")) return PointFormat::npy;
-    if (equals_ignoring_case(ending, ".csv")) return PointFormat::csv;
-    if (equals_ignoring_case(ending, ".ply")) return PointFormat::ply;
+    const std::string ending = ending_of(path);
+    if (ending == ".npy") return PointFormat::npy;
+    if (ending == ".csv") return PointFormat::csv;
+    if (ending == ".ply") return PointFormat::ply;
     throw Error(ErrorCode::unsupported,
                 fmt::format("'{}' does not end like a file of points; the endings are .npy, .csv and .ply", path));
 }
@@ -335,16 +334,16 @@ void write_csv_points(std::span<const Vec3> points, const Columns& columns, Atom
 }
 
 bool is_npy_of_results(const std::string& path) {
-    const std::string ending = std::filesystem::path(path).extension().string();
-    if (equals_ignoring_case(ending, ".npy")) return true;
-    if (equals_ignoring_case(ending, ".csv")) return false;
+    const std::string ending = ending_of(path);
+    if (ending == ".npy") return true;
+    if (ending == ".csv") return false;
     throw Error(ErrorCode::unsupported,
                 fmt::format("'{}' does not end like a file of results at points; the endings are .npy and .csv", path));
 }
 
 void check_rays_ending(const std::string& path) {
-    const std::string ending = std::filesystem::path(path).extension().string();
-    if (!equals_ignoring_case(ending, ".npy") && !equals_ignoring_case(ending, ".csv"))
+    const std::string ending = ending_of(path);
+    if (ending != ".npy" && ending != ".csv")
         throw Error(ErrorCode::unsupported,
                     fmt::format("'{}' does not end like a file of rays; the endings are .npy and .csv", path));
 }
