@@ -652,8 +652,7 @@ def record_of(results, left, files, options):
         f"CAD, test models). **{len(signed):,} of {len(read):,} ({len(signed) / max(1, len(read)):.0%}) have a sign; "
         f"of {len(tested):,} files\nthat were judged by points, a random {options.share:g}%, {wrong_signs:,} signs and {wrong_values:,} distances are wrong.**\n"
         "`scripts/real-meshes` fetches them and writes this page; its `--help` and `benchmarks/real_meshes.py` say how\n"
-        "files are judged. [SIGN-CHANGES.md](SIGN-CHANGES.md) has the files whose sign changed with the rules of\n"
-        "November 2026.",
+        "files are judged.",
         "",
         *([f"**This run is not complete: {left:,} of {len(results) + left:,} files are left.** Run it again to judge them.",
            ""] if left else []),

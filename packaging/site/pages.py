@@ -33,9 +33,9 @@ CONTENTS = {
     "In a simulation": "docs/parallel docs/cuda docs/petsc docs/dealii docs/amrex docs/flow",
     "Interfaces": "interfaces/cpp interfaces/c interfaces/fortran interfaces/python",
     "Inside": "docs/method docs/papers docs/architecture docs/benchmarks benchmarks/RESULTS CONTRIBUTING",
-    "About": "CHANGELOG docs/changes docs/licences LICENSE",
+    "About": "CHANGELOG docs/licences LICENSE",
 }
-RECORDS = "benchmarks/ACCEPTANCE benchmarks/GPU-COMPILERS benchmarks/NIGHTLY benchmarks/REAL-MESHES benchmarks/SIGN-CHANGES benchmarks/TRIED"
+RECORDS = "benchmarks/ACCEPTANCE benchmarks/GPU-COMPILERS benchmarks/NIGHTLY benchmarks/REAL-MESHES benchmarks/TRIED"
 
 
 class Site:

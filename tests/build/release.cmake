@@ -24,6 +24,13 @@ file(WRITE "${tree}/CHANGELOG.md" "# Changelog
 ### Fixed
 - A fault.
 
+### Files and bytes until 0.9.1
+No file.
+- Of one commit.
+
+### Files and bytes
+- Of files.
+
 ## [0.0.9] - 2020-01-01
 
 ### Fixed
@@ -92,6 +99,9 @@ if(NOT changes STREQUAL "# Changelog
 
 ### Fixed
 - A fault.
+
+### Files and bytes
+- Of files.
 
 ## [0.0.9] - 2020-01-01
 
