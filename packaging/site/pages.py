@@ -3,10 +3,12 @@ examples, and llms.txt. It needs nothing but Python and, for the headers, Doxyge
 
 usage: pages.py SOURCES FOLDER [BUILD]
 
-Ends with status 1 if a link leads nowhere, or if the first screen shows code that no tested document has.
+Ends with status 1 if a link leads nowhere, if a page is in no table of contents, or if the first screen shows code that no
+tested document has.
 """
 
 import pathlib
+import posixpath
 import re
 import shutil
 import subprocess
@@ -32,7 +34,8 @@ CONTENTS = {
     "More than a grid": "docs/segments docs/rays docs/sparse docs/scenes docs/fractions docs/time-steps docs/learning docs/pictures",
     "In a simulation": "docs/parallel docs/cuda docs/petsc docs/dealii docs/amrex docs/flow",
     "Interfaces": "interfaces/cpp interfaces/c interfaces/fortran interfaces/python",
-    "Inside": "docs/method docs/papers docs/architecture docs/benchmarks benchmarks/RESULTS CONTRIBUTING",
+    "Inside": "docs/method docs/papers docs/architecture docs/benchmarks benchmarks/RESULTS docs/conformance conformance/README "
+              "CONTRIBUTING",
     "About": "CHANGELOG docs/licences LICENSE",
 }
 RECORDS = "benchmarks/ACCEPTANCE benchmarks/GPU-COMPILERS benchmarks/NIGHTLY benchmarks/REAL-MESHES benchmarks/TRIED"
@@ -67,7 +70,7 @@ class Site:
                 place = "examples/index.md" if path.name == "examples" else self.listing(path)
             elif path.suffix == ".png":
                 self.copy(place)
-            elif path.name == "README.md":
+            elif place == "README.md":
                 place = "index.md"
             elif path.suffix != ".md":
                 place = self.listing(path)
@@ -102,7 +105,7 @@ class Site:
     def documents(self):
         names = [f"docs/{path.name}" for path in sorted((self.sources / "docs").glob("*.md"))]
         names += [f"benchmarks/{path.name}" for path in sorted((self.sources / "benchmarks").glob("*.md"))]
-        for name in [*names, "CHANGELOG.md", "CONTRIBUTING.md"]:
+        for name in [*names, "conformance/README.md", "CHANGELOG.md", "CONTRIBUTING.md"]:
             text = self.linked(name, (self.sources / name).read_text())
             self.write(name, f"---\norphan: true\n---\n\n{text}" if name.removesuffix(".md") in RECORDS.split() else text)
         self.write("LICENSE.md", "# Licence\n\n" + cpp.code_block("text", [(self.sources / "LICENSE").read_text().rstrip()]))
@@ -231,12 +234,29 @@ class Site:
             lines.append("")
         self.write("_extra/llms.txt", "\n".join(lines))
 
+    def check_contents(self):
+        """Each page is in a table of contents or says that it is in none, and the tables name pages: Sphinx warns of others."""
+        pages = {name.removesuffix(".md"): (self.folder / name).read_text() for name in self.made if name.endswith(".md")}
+        listed = {"index"}
+        for page, text in pages.items():
+            for table in re.findall(r"^```\{toctree\}\n(.*?)^```", text, re.S | re.M):
+                for name in re.findall(r"^[^:\s].*", table, re.M):
+                    name = posixpath.normpath(posixpath.join(posixpath.dirname(page), name))
+                    listed.add(name)
+                    if name not in pages:
+                        self.faults.append(f"{page}.md: its table of contents names {name}, which is no page")
+        for page in sorted(pages.keys() - listed):
+            if not pages[page].startswith("---\norphan: true\n"):
+                self.faults.append(f"{page}.md is in no table of contents: add it to CONTENTS or to RECORDS of pages.py")
+
     def make(self):
         self.documents()
         self.interfaces()
         self.examples()
         self.first_screen()
-        self.list_for_models()
+        self.check_contents()
+        if not self.faults:
+            self.list_for_models()
         self.copy("packaging/site/conf.py", "conf.py")
         self.copy("packaging/site/site.css", "_static/site.css")
         for path in sorted(self.folder.rglob("*")):

@@ -32,7 +32,8 @@ target_link_libraries(test_code_for_amrex_cuda PRIVATE clsdf::cuda clsdf::meshes
 add_test(NAME code_for_amrex_cuda COMMAND test_code_for_amrex_cuda)
 set_tests_properties(code_for_amrex_cuda PROPERTIES LABELS "cuda;integrations")
 
-# The pages of the site: every link between documents leads somewhere, and the first screen's lines stand in tested documents.
+# The pages of the site: every link between documents leads somewhere, every page is in a table of contents, and the lines of
+# the first screen stand in tested documents.
 if(EXISTS /usr/bin/python3)
   add_test(NAME site_pages COMMAND /usr/bin/python3 ${PROJECT_SOURCE_DIR}/packaging/site/pages.py ${PROJECT_SOURCE_DIR}
                                    ${CMAKE_CURRENT_BINARY_DIR}/site-pages)
