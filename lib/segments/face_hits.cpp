@@ -114,13 +114,13 @@ Line Line::segment(const Vec3& from, const Vec3& to) {
     return {segment, {segment.along.x.high, segment.along.y.high, segment.along.z.high}};
 }
 
-bool is_in_plane(const Line& line, const CrossedFaces::Corners& corners) {
+bool is_in_plane(const crossing::Segment& segment, const CrossedFaces::Corners& corners) {
     using crossing::exact_difference, crossing::sign_of_determinant;
     const crossing::double3 a = crossing::vector(corners[0]);
     const crossing::ExactVector ab = exact_difference(crossing::vector(corners[1]), a),
                                 ac = exact_difference(crossing::vector(corners[2]), a);
-    return sign_of_determinant(ab, ac, line.exact.along) == 0 &&
-           sign_of_determinant(ab, ac, exact_difference(a, line.exact.from)) == 0;
+    return sign_of_determinant(ab, ac, segment.along) == 0 &&
+           sign_of_determinant(ab, ac, exact_difference(a, segment.from)) == 0;
 }
 
 bool meets(const Line& line, const CrossedFaces::Corners& corners, Hits hits, FaceHit& hit) {

@@ -5,10 +5,22 @@
 
 #include <clsdf/segments.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 /// Where one segment, or ray, meets one face.
 namespace clsdf::segments {
+
+/// The exponent of the power of two that is just above the greatest component.
+inline int exponent_of(const Vec3& v) {
+    int exponent = 0;
+    std::frexp(std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}), &exponent);
+    return exponent;
+}
+inline Vec3 times_power(const Vec3& v, int exponent) {
+    return {std::ldexp(v[0], exponent), std::ldexp(v[1], exponent), std::ldexp(v[2], exponent)};
+}
 
 /// A segment or a ray in units, as faces are compared with it.
 struct Line {
@@ -36,7 +48,7 @@ struct FaceHit {
 /// Whether the line meets the face; sets all of `hit` but the face and the change.
 bool meets(const Line& line, const engine::CrossedFaces::Corners& corners, Hits hits, FaceHit& hit);
 
-/// Whether the line runs in the plane of the face, exactly.
-bool is_in_plane(const Line& line, const engine::CrossedFaces::Corners& corners);
+/// Whether the segment runs in the plane of the face, exactly.
+bool is_in_plane(const crossing::Segment& segment, const engine::CrossedFaces::Corners& corners);
 
 }  // namespace clsdf::segments

@@ -1,11 +1,14 @@
 #include "segments/film_walls.hpp"
 
 #include "points/signs_by_host.hpp"
+#include "segments/face_hits.hpp"
+#include "tree/ray_walk.hpp"
 
 #include <clsdf/outputs.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace clsdf::segments {
 
@@ -66,11 +69,25 @@ private:
         return high - low <= line_.resolution || middle <= low || middle >= high;
     }
 
+    /// Whether the line may run within a face. Else looks differ at open edges alone that the line meets.
+    bool may_be_in_face() {
+        if (!may_be_in_face_) {
+            const engine::PointMesh& mesh = line_.searched.mesh;
+            const engine::CrossedFaces faces{mesh};
+            const int exponent = exponent_of(line_.along);
+            const engine::TreeRay ray = engine::tree_ray(mesh, point(0), times_power(line_.along, -exponent));
+            const float end = ray.end_at(std::ldexp(line_.last * (1 + 0x1p-40), exponent));
+            may_be_in_face_ = engine::visit_faces(line_.searched.tree, ray, end, [&](std::size_t face) {
+                return mesh.sign_count(face) != 0 && is_in_plane(line_.exact, faces.sign_corners(face));
+            });
+        }
+        return *may_be_in_face_;
+    }
     /// Behind open edges all looks see what the first one sees, to which the film fits.
     void agree(double place) {
         const bool do_agree =
             std::ranges::all_of(at_.of_looks, [&](std::int32_t winding) { return winding == at_.of_looks[0]; });
-        if (do_agree || place >= line_.last || line_.may_be_in_face()) return;
+        if (do_agree || place >= line_.last || may_be_in_face()) return;
         at_ = Windings(at_.of_looks[0]);
         update(place, no_triangle);
     }
@@ -108,6 +125,7 @@ private:
     double unit_, length_ = 0;
     Windings at_;
     bool is_inside_, is_done_ = false;
+    std::optional<bool> may_be_in_face_;  // asked for when looks differ
 };
 
 }  // namespace

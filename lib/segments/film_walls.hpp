@@ -27,9 +27,6 @@ struct FilmLine {
     double first, last;
     double resolution;  ///< walls of the film are found to that
     double pair;        ///< two of them that are nearer to each other may be missed
-    /// Whether the line may run within a face. Else looks differ at open edges alone that the line meets, and agree
-    /// behind them.
-    std::function<bool()> may_be_in_face = [] { return true; };
 };
 
 /// Calls visit(wall) for the walls in order until it returns true. crossed: sorted. at, at_last: the windings at both

@@ -33,17 +33,6 @@ struct Stop {
     bool is_rounded;  ///< the place is place_of(); else it is near that
 };
 
-/// The exponent of the power of two that is just above the greatest component.
-int exponent_of(const Vec3& v) {
-    int exponent = 0;
-    std::frexp(std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}), &exponent);
-    return exponent;
-}
-
-Vec3 times_power(const Vec3& v, int exponent) {
-    return {std::ldexp(v[0], exponent), std::ldexp(v[1], exponent), std::ldexp(v[2], exponent)};
-}
-
 /// Looks for the faces on one line after the other. For one thread.
 class Search {
 public:
@@ -137,8 +126,8 @@ public:
 
     /// The walls among the faces that were found and those of the film, in order, on [first, last] of the line. At most
     /// `most` walls, and one behind `end`. Windings: of both ends.
-    std::span<const Stop> walls_with_film(const Line& line, const engine::TreeRay& ray, double first, double last,
-                                          const Windings& at, const Windings& at_last, std::size_t most, double end) {
+    std::span<const Stop> walls_with_film(const Line& line, double first, double last, const Windings& at,
+                                          const Windings& at_last, std::size_t most, double end) {
         stops_.clear();
         sort_exactly(line);
         double square = 0;
@@ -151,8 +140,7 @@ public:
                         first,
                         last,
                         film_places * size,
-                        pair_of_films * size,
-                        [&] { return may_be_in_face(line, ray, last); }},
+                        pair_of_films * size},
                        crossed_, searched_.rule, at, at_last, [&](const Wall& wall) {
                            stops_.push_back({wall.place, 0, wall.triangle, true});
                            return stops_.size() >= most || wall.place > end;
@@ -188,12 +176,6 @@ public:
     void restore() { found_.swap(kept_); }
 
 private:
-    bool may_be_in_face(const Line& line, const engine::TreeRay& ray, double end) const {
-        const float bound = ray.end_at(end);
-        return engine::visit_faces(searched_.tree, ray, bound, [&](std::size_t face) {
-            return searched_.mesh().sign_count(face) != 0 && is_in_plane(line, searched_.faces.sign_corners(face));
-        });
-    }
     engine::CrossedFaces::Corners corners_of(std::size_t face) const {
         return hits_wanted_ == Hits::faces ? searched_.faces.corners(face) : searched_.faces.sign_corners(face);
     }
@@ -305,7 +287,7 @@ private:
         if (!(first < last)) return {};
         const Windings at = first > 0 ? Windings() : search_.windings_with_film(origin);
         search_.find_faces(line, ray, infinity);
-        return search_.walls_with_film(line, ray, first, last, at, {}, most, end);
+        return search_.walls_with_film(line, first, last, at, {}, most, end);
     }
     /// The part of a ray in the ball beyond which nothing is inside.
     std::pair<double, double> within_ball(const Line& line) const {
@@ -377,7 +359,7 @@ bool is_visible(const SearchedFaces& searched, Search& search, const Vec3& from,
     if (searched.mesh().film) {
         const Windings at = search.windings_with_film(from), at_last = search.windings_with_film(to);
         search.find_faces(line, ray, end);
-        return search.walls_with_film(line, ray, 0, 1, at, at_last, 1, 1).empty();
+        return search.walls_with_film(line, 0, 1, at, at_last, 1, 1).empty();
     }
     if (!search.find_faces(line, ray, end)) return true;
     search.keep();
@@ -395,6 +377,14 @@ std::optional<std::string> why_unusable_point(const engine::PointMesh& mesh, con
     return std::nullopt;
 }
 
+/// Divided by a power of two, so that the greatest component is 1/2 to 1. What that makes 0 is too small, too.
+bool is_exact_direction(const Vec3& direction) {
+    const Vec3 scaled = times_power(direction, -exponent_of(direction));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (scaled[axis] == 0 && direction[axis] != 0) return false;
+    return engine::is_exact_in_units(scaled, 1);
+}
+
 // Rays of a task: some hundred microseconds.
 constexpr std::size_t grain = 256;
 
@@ -404,7 +394,7 @@ std::optional<std::string> why_unusable(const engine::PointMesh& mesh, const Vec
     if (auto reason = why_unusable_point(mesh, origin, "its origin")) return reason;
     if (!is_finite(direction)) return "its direction is not finite";
     if (direction == Vec3{}) return "its direction is 0";
-    if (!engine::is_exact_in_units(times_power(direction, -exponent_of(direction)), 1))
+    if (!is_exact_direction(direction))
         return "its direction has a component that is not 0 and less than 2^-300 of the greatest one";
     return std::nullopt;
 }

@@ -3,7 +3,6 @@
 #include "segments/segment_judge.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
-#include "support/open_meshes.hpp"
 #include "support/queries.hpp"
 #include "support/throws.hpp"
 
@@ -636,56 +635,6 @@ BOOST_AUTO_TEST_CASE(faces_as_given_are_met_without_a_sign) {
         BOOST_TEST(links.counts[n] == 1U);
     }
     check_throws(ErrorCode::unsupported, {"sheet", "sign", "faces"}, [&] { transform.links(grid, directions); });
-}
-
-BOOST_AUTO_TEST_CASE(the_film_of_an_open_mesh_is_met) {
-    // A box without its lid.
-    Parts parts = box_between({1, 1, 1}, {9, 9, 9});
-    parts.triangles.erase(parts.triangles.begin() + 2, parts.triangles.begin() + 4);  // z = 9
-    const DistanceTransform transform(test_device(), parts.mesh("open box"), {.sign = SignRule::solid_angle});
-    const Grid grid{{0.3, 0.4, 0.2}, {0.7, 0.7, 0.7}, {15, 15, 16}, {}};
-    const Links links = transform.links(grid, all_directions);
-    const Field field = query(transform, samples_of(grid), no_limit);
-    const auto is_inside = [&](const Index3& p) { return field.distance()[grid.offset(p[0], p[1], p[2])] < 0; };
-    std::size_t wrong = 0, films = 0, rows = 0, expected = 0;
-    for (std::int64_t z = 0; z < 16; ++z)
-        for (std::int64_t y = 0; y < 15; ++y)
-            for (std::int64_t x = 0; x < 15; ++x) {
-                wrong += links.inside.is_inside({x, y, z}) != is_inside({x, y, z});
-                for (const auto& [cx, cy, cz] : all_directions) {
-                    const Index3 q{x + cx, y + cy, z + cz};
-                    bool is_in = true;
-                    for (std::size_t axis = 0; axis < 3; ++axis)
-                        is_in = is_in && q[axis] >= 0 && q[axis] < grid.size[axis];
-                    expected += is_in && !is_inside({x, y, z}) && is_inside(q);
-                }
-            }
-    double worst = 0;
-    for (std::size_t n = 0; n < links.size(); ++n) {
-        const auto& sample = links.samples[n];
-        const auto& c = all_directions[links.directions[n]];
-        Vec3 at{};
-        bool is_in = true;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            at[axis] = grid.origin[axis] + grid.spacing[axis] * (sample[axis] + links.q[n] * c[axis]);
-            is_in = is_in && sample[axis] + c[axis] >= 0 && sample[axis] + c[axis] < grid.size[axis];
-        }
-        rows += is_in;
-        if (links.flags[n] != SegmentFlag::film) {
-            wrong += links.triangles[n] == no_triangle;
-            continue;
-        }
-        ++films;
-        wrong += links.triangles[n] != no_triangle;
-        double winding = 0;
-        const std::vector<Vec3> points{at};
-        transform.winding(points, std::span(&winding, 1));
-        worst = std::max(worst, std::abs(std::abs(winding) - 0.5));
-    }
-    BOOST_TEST(wrong == 0);
-    BOOST_TEST(rows == expected);
-    BOOST_TEST(films > 500);
-    BOOST_TEST(worst < 1e-8);
 }
 
 // All eight looks at the edge of a groove along y are inside.

@@ -569,6 +569,31 @@ BOOST_AUTO_TEST_CASE(rays_that_are_not_usable_have_no_hits_and_are_told) {
     BOOST_TEST(visible == (std::vector<std::uint8_t>{1, 0, 0}), boost::test_tools::per_element());
 }
 
+BOOST_AUTO_TEST_CASE(a_component_far_below_the_greatest_makes_a_ray_unusable_at_any_length) {
+    // It begins in the plane of the cube's upper side: by this component it has two walls, without it none.
+    const DistanceTransform transform(test_device(), cube(1));
+    const auto answers = [&](const Vec3& direction) {
+        Rays rays;
+        rays.add({-3, 0.1, 1}, direction);
+        return answers_of(transform, rays, {}, 1);
+    };
+    constexpr double least = std::numeric_limits<double>::denorm_min();
+    // Divided by the greatest component, the last three are below the least double.
+    for (const Vec3& direction : {Vec3{1, 0, -1e-300}, Vec3{1, 0, -least}, Vec3{0x1p60, 0, -least},
+                                  Vec3{1e200, 0, -1e-300}, Vec3{1e308, 0, -least}}) {
+        const Answers none = answers(direction);
+        BOOST_TEST(none.statistics.unusable_points == 1U, direction[0] << ", " << direction[2]);
+        BOOST_TEST(std::isnan(none.t[0]));
+        BOOST_TEST(none.counts[0] == 0U);
+    }
+    for (const Vec3& direction : {Vec3{1, 0, -1e-80}, Vec3{0x1p900, 0, -0x1p610}, Vec3{0x1p-900, 0, -least}}) {
+        const Answers found = answers(direction);
+        BOOST_TEST(found.statistics.unusable_points == 0U, direction[0] << ", " << direction[2]);
+        BOOST_TEST(found.t[0] == 2 / direction[0]);
+        BOOST_TEST(found.counts[0] == 2U);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(arrays_have_any_type_and_stride_and_what_cannot_be_is_refused) {
     const DistanceTransform transform(test_device(), cube(1));
     struct Row {
