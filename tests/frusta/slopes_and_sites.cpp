@@ -1,5 +1,6 @@
 #include "coverage.hpp"
 #include "frusta/slopes.hpp"
+#include "plan/joined_meshes.hpp"
 #include "stress_points.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
@@ -15,6 +16,7 @@
 #include <cstdint>
 #include <ctime>
 #include <iterator>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -215,6 +217,27 @@ BOOST_AUTO_TEST_CASE(sites_share_groups_of_records_with_those_of_their_block_alo
     const auto of_two = engine::in_groups(twice, engine::site_blocks(twice, joined));
     BOOST_TEST(of_two.size() == 2 * of_all.size());
     BOOST_TEST(of_two[of_all.size()].vertex == of_all[0].vertex + count);
+}
+
+BOOST_AUTO_TEST_CASE(faces_that_fill_up_a_group_have_the_slopes_of_the_face_that_they_repeat) {
+    // Three faces at an edge; whichever is last is one of them.
+    const Mesh mesh({{0, 0, 0}, {0, 0, 1}, {1, 0.1, 0.3}, {-1, 1, 0.2}, {-0.7, -1, 0.4}},
+                    {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}}, "three faces");
+    const auto topology = std::make_shared<const engine::MeshTopology>(mesh);
+    const engine::Frusta alone = engine::make_frusta(*topology, mesh.vertices(), {});
+    const std::vector<engine::MeshToJoin> meshes(3, {&mesh, topology});
+    std::vector<Vec3> positions;
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+        positions.insert(positions.end(), mesh.vertices().begin(), mesh.vertices().end());
+    const engine::JoinedMeshes joined = engine::join_meshes(meshes, positions);
+    const engine::Frusta all = engine::make_frusta(*joined.topology, joined.mesh.vertices(), {});
+    const std::size_t of_mesh = all.slopes.size() / meshes.size();
+    BOOST_REQUIRE(of_mesh > alone.slopes.size());
+    for (std::size_t face = 0; face < all.slopes.size(); ++face) {
+        const engine::FaceSlopes& expected = alone.slopes[std::min(face % of_mesh, alone.slopes.size() - 1)];
+        BOOST_TEST((all.slopes[face].above == expected.above && all.slopes[face].below == expected.below),
+                   "face " << face);
+    }
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -215,7 +215,7 @@ void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToH
     for_each_index(
         numbers.size(),
         [&](std::size_t i) {
-            measured[i] = measures.measure(numbers[i]);
+            measured[i] = measures.measure(topology.original(numbers[i]));
             if (options.lean) lean(measured[i].frame, measured[i].slopes);
         },
         grain);

@@ -120,15 +120,20 @@ MeasuredFace FaceMeasures::measure(std::uint32_t face) const {
     return measured;
 }
 
+std::optional<EdgeSlope> FaceMeasures::non_manifold_slope(const Corner& edge) const {
+    const std::uint32_t packed = edge.packed();
+    const auto entry = std::ranges::lower_bound(non_manifold_, packed, {}, &NonManifoldEdge::edge);
+    return entry != non_manifold_.end() && entry->edge == packed ? entry->slope : open_edge;
+}
+
 /// An edge without exactly one other face. A box takes the wedges of all its edges, so that faces beside it need none.
 void FaceMeasures::set_unpaired(const Corner& edge, MeasuredFace& measured) const {
     EdgeSlope slope = open_edge;
     std::uint8_t& marks = measured.marks[edge.vertex];
     if ((marks & edge_non_manifold) != 0) {
-        const NonManifoldEdge& entry =
-            *std::ranges::lower_bound(non_manifold_, edge.packed(), {}, &NonManifoldEdge::edge);
-        if (!entry.slope) marks |= edge_at_box;
-        if (!measured.frame.is_box) slope = entry.slope.value_or(EdgeSlope{0, 0});
+        const std::optional<EdgeSlope> found = non_manifold_slope(edge);
+        if (!found) marks |= edge_at_box;
+        if (!measured.frame.is_box) slope = found.value_or(EdgeSlope{0, 0});
     }
     if (measured.frame.is_box) marks |= edge_at_box;
     set_slope(measured, edge.vertex, slope);

@@ -61,7 +61,7 @@ class FaceMeasures {
 public:
     FaceMeasures(const MeshFaces& faces, const OneRings& rings, const PairedEdges& edges);
 
-    /// The slopes are not leaned.
+    /// The slopes are not leaned. The face is one of the one-rings.
     MeasuredFace measure(std::uint32_t face) const;
 
 private:
@@ -72,6 +72,8 @@ private:
     };
 
     void measure_non_manifold(const OneRings& rings, std::span<const std::uint32_t> ends);
+    /// At an edge of three faces or more; the whole wedge at one that the one-rings do not have.
+    std::optional<EdgeSlope> non_manifold_slope(const Corner& edge) const;
     void set_unpaired(const Corner& edge, MeasuredFace& measured) const;
     void set_pair(const Corner& edge, MeasuredFace& measured) const;
 

@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -141,6 +142,12 @@ MeshTopology::MeshTopology(const Mesh& mesh, KeptArray<std::uint32_t> order_in)
       faces(ordered_faces(mesh, order)),
       rings(faces.triangles, faces.vertices.size()),
       edges(pair_edges(faces.triangles, rings)) {}
+
+std::uint32_t MeshTopology::original(std::uint32_t face) const {
+    if (joined.empty()) return face;
+    const auto next = std::ranges::upper_bound(joined, face, {}, &JoinedPart::face_begin);
+    return std::min(face, std::prev(next)->face_end - 1);
+}
 
 std::size_t MeshTopology::host_bytes() const {
     return order.host_bytes() + faces.triangles.host_bytes() + faces.vertices.host_bytes() + rings.host_bytes() +

@@ -126,6 +126,9 @@ struct MeshTopology {
           rings(std::move(rings_in)),
           edges(std::move(edges_in)) {}
 
+    /// The face itself, or, for one that fills up a group of a joined mesh's records, the face that it repeats.
+    std::uint32_t original(std::uint32_t face) const;
+
     std::size_t host_bytes() const;
 };
 
