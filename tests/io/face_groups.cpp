@@ -64,6 +64,12 @@ BOOST_AUTO_TEST_CASE(solids_of_an_stl_file_are_groups_and_equal_names_are_one) {
     // A polygon of four corners is two triangles.
     check_groups_of_file("a.stl", replaced(solid("a", 2), "vertex 0 1 0", "vertex 1 1 0\nvertex 0 1 0") + solid("b", 1),
                          {"a", "b"}, {0, 0, 0, 1});
+    // However they begin and end.
+    check_groups_of_file("a.stl", "solid a\n" + facet(0) + "solid b\n" + facet(1) + "endsolidb\nsolidc\n" + facet(2),
+                         {"a", "b", "c"}, {0, 1, 2});
+    check_groups_of_file(
+        "a.stl", with_line_ends(solid("a facet", 2) + solid("", 1) + solid("b # 1", 1) + solid("solid", 1), " "),
+        {"a facet", "", "b # 1", "solid"}, {0, 0, 1, 2, 3});
     // Parts of a large text are read on all cores.
     const int many = 20000;
     Numbers numbers(many, 0);

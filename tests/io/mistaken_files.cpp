@@ -99,7 +99,7 @@ BOOST_AUTO_TEST_CASE(a_mesh_of_another_format_is_named_with_its_ending) {
 }
 
 BOOST_AUTO_TEST_CASE(other_text_is_quoted) {
-    std::string text = "# exported by a program\nsolid part\n facet normal 0 0 1\n";
+    std::string text = "# exported by a program\nbody part\n facet normal 0 0 1\n";
     text.append(200, ' ');
     check_is_refused("a.stl", text, unreadable, {"'# exported by a program'", "begins with 'solid'"});
     check_is_refused("a.stl", "hello", unreadable, {"'hello'", "begins with 'solid'"});

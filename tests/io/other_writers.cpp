@@ -78,8 +78,112 @@ BOOST_AUTO_TEST_CASE(the_ends_of_text_stl_may_be_two_words) {
     check_is_square("a.stl", with_line_ends("solid a\n" + facet1 + facet2 + "end solid a\n", "\n\r"));
     check_is_refused("a.stl", "solid a\n" + replaced(facet1, "end loop", "end lop"), unreadable,
                      {"line 7", "'vertex' or 'endloop'", "'end'"});
-    check_is_refused("a.stl", "solid a\n" + replaced(facet1, "end facet", "end solid"), unreadable,
-                     {"line 8", "'endfacet'", "'endsolid'"});
+    check_is_refused("a.stl", "solid a\n" + replaced(facet1, "end facet", "end lop"), unreadable,
+                     {"line 8", "'endfacet'", "'end'"});
+}
+
+BOOST_AUTO_TEST_CASE(text_stl_is_read_as_other_programs_take_it_and_each_irregularity_has_a_warning) {
+    const std::string
+        facet1 = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n",
+        facet2 = replaced(facet1, "vertex 1 0 0\nvertex 1 1 0", "vertex 1 1 0\nvertex 0 1 0"), facets = facet1 + facet2;
+    const auto check = [](const std::string& text, const std::string& warning) {
+        check_is_square_with("a.stl", text, {warning});
+    };
+    check_is_square_with("a.stl", "solid a\n" + facets + "endsolid a\n", {});
+
+    // A name joined to its keyword.
+    check("solid Scene\n" + facets + "endsolidScene\n", "1 name is joined to its 'solid' or 'endsolid', at line 16");
+    check("solid Scene\n" + facets + "EndSolid_1 Scene", "1 name is joined to its 'solid' or 'endsolid', at line 16");
+    check("solidScene\n" + facets + "endsolidScene\n",
+          "2 names are joined to their 'solid' or 'endsolid', the first at line 1");
+    // No endsolid.
+    for (const char* end : {"", "\n\n", " "})
+        check("solid a\n" + facets + end, "the text ends without 'endsolid' and may be cut off, at line 15");
+    check("solid a\n" + facet1 + "solid b\n" + facet2 + "endsolid b\n",
+          "1 solid begins before the one before it ends, at line 9");
+    check("solid a\nsolid b\nsolid c\n" + facets + "endsolid c\n",
+          "2 solids begin before the ones before them end, the first at line 2");
+    check("solid a\n" + facets + "endsolid a\nendsolid b\n", "1 'endsolid' ends no solid, at line 17");
+    // What files are filled up with.
+    for (const std::string& after : {std::string(1, '\0'), std::string("\x1A"), std::string("\n\0\r\n ", 5)})
+        check("solid a\n" + facets + "endsolid a" + after, "1 byte of zeros or Ctrl-Z after the text is skipped");
+    for (const std::size_t zeros : {std::size_t{7}, std::size_t{5000}}) {
+        const std::string warning = fmt::format("{} bytes of zeros or Ctrl-Z after the text are skipped", zeros + 1);
+        check("solid a\n" + facets + "endsolid a\n\x1A" + std::string(zeros, '\0'), warning);
+        check("solid a\n" + facets + "endsolid a\n" + std::string(zeros, '\0') + "\n\x1A\r\n", warning);
+    }
+    // No normal.
+    for (const char* begin : {"facet", "facet normal", "facet 0 0 1", "FACET\t\n\n"}) {
+        check("solid a\n" + replaced(facet1, "facet normal 0 0 1", begin) + facet2 + "endsolid",
+              "1 facet has no normal, at line 2");
+        check("solid a\n" + replaced(facet1, "facet normal 0 0 1", begin) +
+                  replaced(facet2, "facet normal 0 0 1", begin) + "endsolid",
+              "2 facets have no normal, the first at line 2");
+    }
+    // A loop without a facet, a facet without an end.
+    const std::string loop1 = replaced(facet1, "facet normal 0 0 1\n", ""), bare1 = replaced(loop1, "endfacet\n", "");
+    const std::string bare2 = replaced(replaced(facet2, "facet normal 0 0 1\n", ""), "endfacet\n", "");
+    check("solid a\n" + loop1 + facet2 + "endsolid a\n", "1 loop is in no facet, at line 2");
+    check("solid a\n" + facet1 + bare2 + "endsolid a\n", "1 loop is in no facet, at line 9");
+    check("solid a\n" + bare1 + bare2 + "endsolid a\n", "2 loops are in no facet, the first at line 2");
+    check("solid a\n" + replaced(facet1, "endfacet\n", "") + facet2 + "endsolid a\n",
+          "1 facet has no 'endfacet', at line 2");
+    check("solid a\n" + replaced(facet1, "endfacet", "") + replaced(facet2, "endfacet\n", "") + "endsolid a\n",
+          "2 facets have no 'endfacet', the first at line 2");
+    // Colours.
+    for (const char* colour : {"color 1 0.5 0", "COLOR 255 0 0 1", "colour red", "  color"}) {
+        const std::string line = std::string(colour) + "\n";
+        check("solid a\n" + line + facets + "endsolid a\n", "1 colour is skipped, at line 2");
+        check("solid a\n" + facet1 + line + facet2 + "endsolid a\n", "1 colour is skipped, at line 9");
+        check("solid a\n" + replaced(facet1, "outer loop\n", line + "outer loop\n") + facet2 + line + "endsolid a\n",
+              "2 colours are skipped, the first at line 3");
+        check("solid a\n" + replaced(facet1, "endloop\n", "endloop\n" + line) + facet2 + "endsolid a\n",
+              "1 colour is skipped, at line 8");
+    }
+    check_is_square_with("a.stl", "solid color 1 0 0\n" + facets + "endsolid color 1 0 0\n", {});
+    // Comments.
+    check("# made by hand\n#\n\nsolid a\n" + facets + "endsolid a\n", "2 comments are skipped, the first at line 1");
+    check("\xEF\xBB\xBF# made by hand\r\n" + with_line_ends("solid a\n" + facets + "endsolid a\n", "\r\n"),
+          "1 comment is skipped, at line 1");
+    check("solid a\n#facet\n" + facets + "endsolid a\n", "1 comment is skipped, at line 2");
+    check("solid a\n" + replaced(facet1, "1 0 0\n", "1 0 0 # the second\n# vertex 2 0 0\n") + facet2 +
+              "endsolid a\n# end",
+          "3 comments are skipped, the first at line 5");
+    check_is_square_with("a.stl", "solid part #1\n" + facets + "endsolid part #1\n", {});
+    // On one line.
+    const auto one_line = [](const std::string& text) { return with_line_ends(text, " "); };
+    for (const char* name : {"", "a\n", "a facet of a name\n", "normal outer loop\n"})
+        for (const std::string& end : {std::string("endsolid "), std::string("endsolid ") + name + "\n"})
+            check(one_line(std::string("solid\n") + name + facets) + end,
+                  "1 facet begins on the line of its solid's name, at line 1");
+    check(one_line("solid a\n" + facet1 + "endsolid a\nsolid b\n" + facet2 + "endsolid b\n"),
+          "2 facets begin on the lines of their solids' names, the first at line 1");
+    check(one_line("solid a\n" + facet1 + "endsolid a") + "\n" + one_line("solid b\n" + facet2 + "endsolid b"),
+          "2 facets begin on the lines of their solids' names, the first at line 1");
+    check("solid a " + facets + "endsolid", "1 facet begins on the line of its solid's name, at line 1");
+    check_is_square_with("a.stl", "solid a\n" + facet1 + "endsolid a solid b\n" + facet2 + "endsolid b", {});
+    check_is_square_with("a.stl",
+                         "solid facet\n" + facet1 + "endsolid solid facet\nsolid solid\n" + facet2 + "endsolid", {});
+
+    // Several at once.
+    const std::vector<std::string> all =
+        warnings_of("a.stl", one_line("solid a\n" + replaced(bare1, "endloop", "endloop color 1 0 0") + bare2) +
+                                 std::string(9, '\0'));
+    BOOST_TEST(all.size() == 5U);
+
+    // What is cut within a facet, or is no STL, stays an error.
+    check_is_refused("a.stl", "solid a\n" + facet1 + "facet normal 0 0 1\nouter loop\nvertex 0 0 0\n", unreadable,
+                     {"line 11", "'vertex' or 'endloop'", "file ends"});
+    check_is_refused("a.stl", "solid a\n" + facet1 + "facet\n", unreadable, {"line 9", "file ends"});
+    check_is_refused("a.stl", "solid a\n" + facet1 + "endsol", unreadable, {"line 9", "'endsol'"});
+    check_is_refused("a.stl", "solid a\n" + facet1 + std::string(3, '\0') + facet2 + "endsolid a\n", unreadable,
+                     {"'facet' or 'endsolid'"});
+    check_is_refused("a.stl", "solid a\n" + facets + "endsolid a\n" + facet1, unreadable, {"line 17", "'solid'"});
+    check_is_refused("a.stl", "solid a\n" + replaced(facet1, "normal 0 0 1", "0 0") + facet2, unreadable, {"'outer'"});
+    check_is_refused("a.stl", "solid a\n" + replaced(facet1, "normal", "norml") + facet2, unreadable,
+                     {"line 2", "'normal'", "'norml'"});
+    check_is_refused("a.stl", "solid a\n" + replaced(facet1, "endfacet", bare2 + "endfacet"), unreadable,
+                     {"'endfacet'", "'outer'"});
 }
 
 BOOST_AUTO_TEST_CASE(ply_may_have_integers_of_64_bits) {

@@ -15,16 +15,29 @@ using namespace clsdf::test;
 
 namespace {
 
-std::string binary_stl(const std::string& header, const std::vector<std::array<float, 9>>& triangles) {
+/// attributes: the bytes behind each triangle, whose number stands in the two bytes before them.
+std::string binary_stl(const std::string& header, const std::vector<std::array<float, 9>>& triangles,
+                       const std::vector<std::string>& attributes = {}) {
     std::string content = header;
     content.resize(80, ' ');
     content += bytes_of(static_cast<std::uint32_t>(triangles.size()), std::endian::little);
-    for (const auto& triangle : triangles) {
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
         content += std::string(12, '\0');
-        for (const float x : triangle) content += bytes_of(x, std::endian::little);
-        content += std::string(2, '\0');
+        for (const float x : triangles[t]) content += bytes_of(x, std::endian::little);
+        const std::string behind = t < attributes.size() ? attributes[t] : "";
+        content += bytes_of(static_cast<std::uint16_t>(behind.size()), std::endian::little) + behind;
     }
     return content;
+}
+
+std::vector<std::array<float, 9>> corners_of(const Mesh& mesh) {
+    std::vector<std::array<float, 9>> triangles;
+    for (const Triangle& triangle : mesh.triangles()) {
+        auto x = triangles.emplace_back().begin();
+        for (const std::uint32_t corner : triangle)
+            for (const double coordinate : mesh.vertices()[corner]) *x++ = static_cast<float>(coordinate);
+    }
+    return triangles;
 }
 
 }  // namespace
@@ -67,8 +80,8 @@ BOOST_AUTO_TEST_CASE(text_stl_is_read_and_welded) {
     refused("vertex 1 0 0", "vertex 1 0", unreadable, {"line 5", "line ends"});
     refused("vertex 1 0 0", "vertex 1 0 inf", invalid, {"line 5", "inf"});
     refused("vertex 1 0 0\n", "", unreadable, {"three vertices"});
-    refused("endfacet\n", "", unreadable, {"line 8", "'endfacet'", "'endsolid'"});
-    refused("endsolid a\n", "", unreadable, {"'endsolid'", "file ends"});
+    refused("endloop\n", "", unreadable, {"line 7", "'endloop'", "'endfacet'"});
+    refused("endfacet\nendsolid a\n", "end", unreadable, {"line 8", "'endfacet'", "'end'"});
     refused(facet1, "", invalid, {"no triangle"});
     check_is_refused("a.stl", "solid", unreadable, {"file ends"});
 }
@@ -88,8 +101,7 @@ BOOST_AUTO_TEST_CASE(text_stl_of_many_megabytes_is_read_as_it_is_one_facet_after
     };
     const TemporaryFolder folder;
     std::string long_name;
-    while (long_name.size() < (3U << 20))
-        long_name += "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet ";
+    while (long_name.size() < (3U << 20)) long_name += "facet normal 0 0 1 outer vertex 0 0 0 endfacet ";
     for (const auto& [solid_facets, name] : {std::pair(count, std::string("one")), std::pair(3000, std::string("many")),
                                              std::pair(3, std::string("endfacet")), std::pair(15000, long_name)}) {
         const std::string text = text_of(solid_facets, name);
@@ -107,7 +119,17 @@ BOOST_AUTO_TEST_CASE(text_stl_of_many_megabytes_is_read_as_it_is_one_facet_after
     const std::string good = text_of(count, "one");
     check_is_refused("a.stl", replaced(good, "vertex 19000 0 0", "vertx 19000 0 0"), unreadable,
                      {"line 132998", "'vertx'"});
-    check_is_refused("a.stl", good.substr(0, good.size() - 9), unreadable, {"'endsolid'", "file ends"});
+    // What is irregular has its line.
+    std::vector<std::string> warnings;
+    const auto log = [&](const std::string& warning) { warnings.push_back(warning); };
+    std::string irregular =
+        replaced(good.substr(0, good.size() - 9), "vertex 19000 0 0\n", "vertex 19000 0 0\n# text\n");
+    irregular.append(1000, '\0');
+    BOOST_TEST(read_mesh(folder.file("a.stl", irregular), {.log = log}).triangles().size() == std::size_t{count});
+    BOOST_TEST_REQUIRE(warnings.size() == 3U);
+    BOOST_TEST(warnings[0].ends_with("the text ends without 'endsolid' and may be cut off, at line 140002"));
+    BOOST_TEST(warnings[1].ends_with("1 comment is skipped, at line 132999"));
+    BOOST_TEST(warnings[2].ends_with("1000 bytes of zeros or Ctrl-Z after the text are skipped"));
 }
 
 BOOST_AUTO_TEST_CASE(binary_stl_is_told_by_its_size_even_where_its_header_says_solid) {
@@ -116,7 +138,6 @@ BOOST_AUTO_TEST_CASE(binary_stl_is_told_by_its_size_even_where_its_header_says_s
     check_is_square("a.stl", binary_stl("solid but binary", triangles));
     const std::string solid = binary_stl("solid but binary", triangles);
     check_is_refused("a.stl", solid.substr(0, solid.size() - 1), unreadable, {"2 triangles", "184", "183"});
-    check_is_square("a.stl", solid + "\n");
     check_is_refused("a.stl", solid + std::string(50, 'x'), unreadable, {"2 triangles", "184", "234"});
     check_is_refused("a.stl", solid.substr(0, 100), unreadable, {"2 triangles"});
     check_is_refused("a.stl", solid.substr(0, 83), unreadable, {"83"});
@@ -127,4 +148,68 @@ BOOST_AUTO_TEST_CASE(binary_stl_is_told_by_its_size_even_where_its_header_says_s
     const float nan = std::numeric_limits<float>::quiet_NaN();
     check_is_refused("a.stl", binary_stl("", {{0, 0, 0, 1, 0, 0, 1, 1, 0}, {0, 0, 0, nan, 1, 0, 0, 1, 0}}), invalid,
                      {"triangle 1", "nan"});
+}
+
+BOOST_AUTO_TEST_CASE(bytes_after_the_last_triangle_of_a_binary_stl_are_skipped_if_the_triangles_are_those_of_a_mesh) {
+    const TemporaryFolder folder;
+    std::string warning;
+    const auto read = [&](const std::string& content, bool skip_bad_facets = false) {
+        warning.clear();
+        const auto log = [&](const std::string& text) { warning += text; };
+        return read_mesh(folder.file("a.stl", content), {.log = log, .skip_bad_facets = skip_bad_facets});
+    };
+    const std::vector<std::array<float, 9>> cube = corners_of(make_shape("cube"));
+    const std::string whole = binary_stl("cube", cube);
+    const std::uint64_t hash = read(whole).hash();
+    BOOST_TEST(warning == "");
+    for (const std::string& after : {std::string("\n"), std::string(3, '\0'), std::string(49, 'x')}) {
+        BOOST_TEST(read(whole + after).hash() == hash);
+        BOOST_TEST(warning.ends_with(after.size() == 1
+                                         ? "1 byte after the last triangle is skipped"
+                                         : fmt::format("{} bytes after the last triangle are skipped", after.size())));
+    }
+    // Colours stand where the number of attribute bytes stands.
+    std::string coloured = whole;
+    for (std::size_t t = 0; t < cube.size(); ++t) coloured.replace(84 + 50 * t + 48, 2, "\xFF\x7F");
+    BOOST_TEST(read(coloured).hash() == hash);
+    BOOST_TEST(read(coloured + "\n").hash() == hash);
+
+    // The bytes are attributes, which stand behind each triangle or at the end.
+    const auto refused = [&](const std::string& content, const std::vector<std::string>& fragments) {
+        for (const bool skip_bad_facets : {false, true})
+            check_throws(unreadable, fragments, [&] { read(content, skip_bad_facets); });
+    };
+    const std::vector<std::string> four_each(cube.size(), "abcd"), one_has_them{"", "", "", "123"};
+    refused(binary_stl("cube", cube, four_each),
+            {"12 triangles", "684", "732", "attributes of 48 bytes", "without attributes"});
+    refused(binary_stl("cube", cube, one_has_them), {"684", "687", "attributes of 3 bytes"});
+    refused(binary_stl("cube", cube, std::vector<std::string>(cube.size(), "12345678")), {"attributes of 96 bytes"});
+    std::string at_the_end = whole + "12345";
+    at_the_end.replace(84 + 48, 2, std::string("\3\0\0", 2)).replace(84 + 98, 2, std::string("\2\0", 2));
+    refused(at_the_end, {"684", "689", "attributes of 5 bytes"});
+
+    // Bytes that are added or lost move all coordinates after them.
+    auto with = [&](float x) {
+        std::vector<std::array<float, 9>> triangles = cube;
+        triangles[7][4] = x;
+        return binary_stl("cube", triangles);
+    };
+    BOOST_TEST(read(with(9e5F) + "\n").triangles().size() == 12U);
+    refused(with(3e6F) + "\n", {"684", "685", "3e+06", "median edge", "sent as text"});
+    BOOST_TEST(read(with(3e6F)).triangles().size() == 12U);
+    for (const float x : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()})
+        refused(with(x) + "\n", {"684", "685", "not finite", "sent as text"});
+    // Far from the origin a mesh is as good as there.
+    std::vector<std::array<float, 9>> far = cube;
+    for (auto& triangle : far)
+        for (float& x : triangle) x += 4e6F;
+    BOOST_TEST(read(binary_stl("far", far) + "\n").triangles().size() == 12U);
+    std::string slipped = whole;
+    slipped.insert(300, "\r");
+    try {
+        read(slipped);
+        BOOST_TEST(warning.find("1 byte after the last triangle") != std::string::npos);
+    } catch (const Error& error) {
+        BOOST_TEST(std::string(error.what()).find("sent as text") != std::string::npos, error.what());
+    }
 }

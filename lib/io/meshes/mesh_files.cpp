@@ -171,6 +171,28 @@ std::string cloud_of(std::size_t points) {
         points, points == 1 ? "vertex is" : "vertices are");
 }
 
+namespace {
+
+/// What is said of one StlIrregularity, and of several.
+struct StlWords {
+    const char* one;
+    const char* several;
+};
+constexpr std::array<StlWords, stl_irregularities> stl_words{{
+    {"1 name is joined to its 'solid' or 'endsolid'", "{} names are joined to their 'solid' or 'endsolid'"},
+    {"the text ends without 'endsolid' and may be cut off", ""},
+    {"1 solid begins before the one before it ends", "{} solids begin before the ones before them end"},
+    {"1 'endsolid' ends no solid", "{} 'endsolid' end no solid"},
+    {"1 facet begins on the line of its solid's name", "{} facets begin on the lines of their solids' names"},
+    {"1 facet has no normal", "{} facets have no normal"},
+    {"1 loop is in no facet", "{} loops are in no facet"},
+    {"1 facet has no 'endfacet'", "{} facets have no 'endfacet'"},
+    {"1 colour is skipped", "{} colours are skipped"},
+    {"1 comment is skipped", "{} comments are skipped"},
+}};
+
+}  // namespace
+
 std::vector<std::string> ReadingNotes::texts() const {
     std::vector<std::string> texts;
     const auto plural = [](std::size_t count) { return count == 1 ? "" : "s"; };
@@ -196,6 +218,15 @@ std::vector<std::string> ReadingNotes::texts() const {
                                     header_lines.count, plural(header_lines.count),
                                     header_lines.count == 1 ? "has" : "have", header_lines.count == 1 ? "is" : "are",
                                     header_lines.first));
+    for (std::size_t i = 0; i < stl.size(); ++i)
+        if (stl[i].count == 1)
+            texts.push_back(fmt::format("{}, at {}", stl_words[i].one, stl[i].first));
+        else if (stl[i].count > 1)
+            texts.push_back(fmt::format("{}, the first at {}",
+                                        fmt::format(fmt::runtime(stl_words[i].several), stl[i].count), stl[i].first));
+    if (padding > 0)
+        texts.push_back(fmt::format("{} byte{} of zeros or Ctrl-Z after the text {} skipped", padding, plural(padding),
+                                    padding == 1 ? "is" : "are"));
     if (uncut.count > 0)
         texts.push_back(fmt::format(
             "{}, whose triangles may overlap, because ears were not found within a limit of steps; divide {} into "
@@ -204,7 +235,7 @@ std::vector<std::string> ReadingNotes::texts() const {
             uncut.count == 1 ? "it" : "them", uncut.count == 1 ? "it is" : "the first is", uncut.first_triangle,
             uncut.corners));
     if (bytes_after > 0)
-        texts.push_back(fmt::format("{} byte{} after the last row {} skipped", bytes_after, plural(bytes_after),
+        texts.push_back(fmt::format("{} byte{} after the last {} {} skipped", bytes_after, plural(bytes_after), last,
                                     bytes_after == 1 ? "is" : "are"));
     return texts;
 }

@@ -63,6 +63,21 @@ enum class MeshFormat { off, obj, stl, ply };
 /// ".off", ".obj", ".stl" or ".ply".
 const char* ending_of(MeshFormat format);
 
+/// What texts of STL have that differs from the format; each is read nevertheless.
+enum class StlIrregularity {
+    name_joined,           ///< "endsolidpart"
+    end_missing,           ///< the text ends within a solid
+    end_missing_between,   ///< "solid" within a solid
+    end_without_solid,     ///< "endsolid" outside of solids
+    facet_behind_name,     ///< on the line of "solid"
+    normal_missing,        ///< "facet" alone, "facet normal" without numbers, or numbers without "normal"
+    loop_without_facet,    ///< "outer loop" between facets
+    end_of_facet_missing,  ///< the next facet, or the end of the solid, after "endloop"
+    colour,                ///< "color 1 0 0"
+    comment,               ///< from a word that begins with # to the end of the line
+};
+inline constexpr std::size_t stl_irregularities = 10;
+
 /// Counts of the lines, faces and numbers that a reader skipped or changed.
 struct ReadingNotes {
     bool skip_bad_facets = false;  ///< ReadOptions::skip_bad_facets: what the reader is asked to do
@@ -78,13 +93,16 @@ struct ReadingNotes {
         }
     };
 
-    Count bad_faces;              ///< with a vertex that does not exist or is not finite: skipped if asked for
-    Count small_faces;            ///< faces of one or two corners: skipped
-    Count weights;                ///< vertices of .obj with a fourth number other than 1: divided by it
-    Count unknown_lines;          ///< lines of .obj whose keyword OBJ does not have: skipped
-    Count header_lines;           ///< lines of a .ply header without a keyword: skipped
-    UncutPolygons uncut;          ///< divided as fans
-    std::size_t bytes_after = 0;  ///< the last row of a binary .ply file: skipped
+    Count bad_faces;      ///< with a vertex that does not exist or is not finite: skipped if asked for
+    Count small_faces;    ///< faces of one or two corners: skipped
+    Count weights;        ///< vertices of .obj with a fourth number other than 1: divided by it
+    Count unknown_lines;  ///< lines of .obj whose keyword OBJ does not have: skipped
+    Count header_lines;   ///< lines of a .ply header without a keyword: skipped
+    std::array<Count, stl_irregularities> stl{};  ///< by StlIrregularity
+    std::size_t padding = 0;                      ///< zeros and Ctrl-Z after the text of an .stl file: skipped
+    UncutPolygons uncut;                          ///< divided as fans
+    std::size_t bytes_after = 0;                  ///< the last row, or triangle, of a binary file: skipped
+    const char* last = "row";                     ///< what bytes_after are after
 
     /// Counts a bad face that names a vertex that does not exist, by its number in the file.
     void skip_face(const std::string& place, std::int64_t missing_vertex);
@@ -122,6 +140,9 @@ inline constexpr std::size_t telling_bytes = 4096;
 /// "its 8 vertices are a cloud of points, ...", with what to do.
 std::string cloud_of(std::size_t points);
 
+/// Whether no byte is a control character other than blanks and line ends.
+bool is_text(std::string_view bytes);
+
 /// The first line of a text for a message, in quotes. Empty if the file does not begin with text.
 std::string quoted_begin(const FileContent& file);
 
@@ -144,5 +165,9 @@ std::vector<Vec3> read_ply_points(const FileContent& file, ReadingNotes& notes);
 
 /// Adds a triangle with three vertices of its own.
 MeshArrays read_stl(const FileContent& file, ReadingNotes& notes);
+/// The same of a text.
+MeshArrays read_stl_text(std::string_view text, const std::string& path, ReadingNotes& notes);
+/// Whether the text begins with "solid", after comments.
+bool begins_as_text_of_stl(std::string_view text, const std::string& path);
 
 }  // namespace clsdf

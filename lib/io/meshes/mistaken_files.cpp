@@ -14,6 +14,13 @@
 /// Files that are not what their ending says.
 namespace clsdf {
 
+bool is_text(std::string_view bytes) {
+    return std::ranges::none_of(bytes, [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte == 0x7F || byte == 0xFF || (byte < 0x20 && (byte < '\t' || byte > '\r'));
+    });
+}
+
 namespace {
 
 using namespace std::string_view_literals;
@@ -24,13 +31,6 @@ std::string_view head_of(const FileContent& file) {
     std::string_view head = file.text().substr(0, telling_bytes);
     if (head.starts_with(byte_order_mark)) head.remove_prefix(byte_order_mark.size());
     return head;
-}
-
-bool is_text(std::string_view bytes) {
-    return std::ranges::none_of(bytes, [](char c) {
-        const auto byte = static_cast<unsigned char>(c);
-        return byte == 0x7F || byte == 0xFF || (byte < 0x20 && (byte < '\t' || byte > '\r'));
-    });
 }
 
 /// The text from its first line that is not blank on.

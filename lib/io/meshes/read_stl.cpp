@@ -1,38 +1,37 @@
-#include "core/large_memory.hpp"
-#include "core/parallel.hpp"
-#include "io/meshes/face_groups.hpp"
 #include "io/meshes/mesh_files.hpp"
-#include "io/meshes/polygons.hpp"
+#include "mesh/mesh_arrays.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <optional>
-#include <utility>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace clsdf {
 
 namespace {
 
-// Binary: 80 bytes of anything, the number of triangles, and for each a normal, three vertices and two more bytes.
+using namespace std::string_view_literals;
+
+// Binary: 80 bytes of anything, the number of triangles, and for each a normal, three vertices, and the number of bytes
+// of its attributes. That is 0, or a colour; STL has no place for attributes.
 constexpr std::size_t header_bytes = 84;
 constexpr std::size_t count_offset = 80;
 constexpr std::size_t triangle_bytes = 50;
 constexpr std::size_t normal_bytes = 12;
+constexpr std::size_t attribute_offset = 48;
 
 std::optional<std::size_t> binary_triangle_count(const FileContent& file) {
     if (file.size() < header_bytes) return {};
     return load<std::uint32_t>(file.bytes().data() + count_offset, std::endian::little);
 }
 
-bool starts_with_solid(const FileContent& file) {
-    TextScanner scanner(file.text(), file.path(), {});
-    return equals_ignoring_case(scanner.word_of_text(), "solid");
+std::size_t binary_size(std::size_t triangle_count) {
+    return header_bytes + triangle_count * triangle_bytes;
 }
 
 MeshArrays read_binary(const FileContent& file, std::size_t triangle_count, ReadingNotes& notes) {
@@ -58,201 +57,111 @@ MeshArrays read_binary(const FileContent& file, std::size_t triangle_count, Read
     return mesh;
 }
 
-void expect(TextScanner& scanner, std::string_view keyword) {
-    const std::string_view word = scanner.word_of_text();
-    if (!equals_ignoring_case(word, keyword)) scanner.fail_word(fmt::format("'{}'", keyword).c_str(), word);
+/// "the header claims 12 triangles, so the file should have 684 bytes, but it has 685"
+std::string sizes_in_words(const FileContent& file, std::size_t triangle_count) {
+    return fmt::format("the header claims {} triangle{}, so the file should have {} bytes, but it has {}",
+                       triangle_count, triangle_count == 1 ? "" : "s", binary_size(triangle_count), file.size());
 }
 
-/// Takes the second word of "end loop", "end facet" or "end solid", if the first is "end". Returns "endloop" etc. in
-/// this and the usual spelling, and any other word as it is.
-std::string_view joined_end(TextScanner& scanner, std::string_view word) {
-    if (!equals_ignoring_case(word, "end")) return word;
-    TextScanner ahead = scanner;
-    const std::string_view second = ahead.word_of_text();
-    for (const std::string_view keyword : {"endloop", "endfacet", "endsolid"})
-        if (equals_ignoring_case(second, keyword.substr(3))) {
-            scanner = ahead;
-            return keyword;
+/// Whether the file is larger by just the bytes of attributes that its triangles claim: each triangle's behind it, or
+/// all at the end.
+bool has_attributes(const FileContent& file, std::size_t triangle_count) {
+    for (const bool behind_each : {true, false}) {
+        std::size_t offset = header_bytes, attributes = 0, t = 0;
+        for (; t < triangle_count && offset + triangle_bytes <= file.size(); ++t) {
+            const std::size_t bytes =
+                load<std::uint16_t>(file.bytes().data() + offset + attribute_offset, std::endian::little);
+            attributes += bytes;
+            offset += triangle_bytes + (behind_each ? bytes : 0);
         }
-    return word;
-}
-
-/// Reads the text between "facet" and "endfacet". notes: to skip bad facets, if that is asked for; else null.
-void read_facet(TextScanner& scanner, MeshArrays& mesh, UncutPolygons& uncut, ReadingNotes* notes) {
-    const std::size_t facet_line = scanner.line();
-    expect(scanner, "normal");
-    // The normal follows from the vertices, and is written as NaN for faces without area.
-    for (int k = 0; k < 3; ++k)
-        if (scanner.word_of_text().empty()) scanner.fail_word("a normal", {});
-    expect(scanner, "outer");
-    expect(scanner, "loop");
-    const std::size_t first = mesh.vertices.size();
-    std::optional<Vec3> bad;
-    for (;;) {
-        const std::string_view word = joined_end(scanner, scanner.word_of_text());
-        if (equals_ignoring_case(word, "endloop")) break;
-        if (!equals_ignoring_case(word, "vertex")) scanner.fail_word("'vertex' or 'endloop'", word);
-        Vec3 vertex;
-        for (double& coordinate : vertex) {
-            coordinate = scanner.real("a coordinate");
-            if (!std::isfinite(coordinate) && notes == nullptr)
-                scanner.fail(ErrorCode::invalid_mesh,
-                             fmt::format("a coordinate is not finite: {}{}", coordinate, bad_facets_remedy));
-        }
-        mesh.vertices.push_back(vertex);
-        if (!bad && !is_finite(vertex)) bad = vertex;
-    }
-    const std::size_t corners = mesh.vertices.size() - first;
-    if (corners < 3) scanner.fail(fmt::format("a facet needs three vertices or more, not {}", corners));
-    const auto begin = static_cast<std::uint32_t>(first);
-    if (notes != nullptr && bad) {
-        mesh.vertices.resize(first);
-        notes->skip_face(fmt::format("line {}", facet_line), *bad);
-    } else if (corners == 3) {
-        mesh.triangles.push_back({begin, begin + 1, begin + 2});
-    } else {
-        std::vector<std::uint32_t> polygon(corners);
-        std::iota(polygon.begin(), polygon.end(), begin);
-        Polygons polygons;
-        polygons.add(mesh, polygon);
-        uncut.add(polygons.triangulate(mesh));
-    }
-    const std::string_view end = joined_end(scanner, scanner.word_of_text());
-    if (!equals_ignoring_case(end, "endfacet")) scanner.fail_word("'endfacet'", end);
-}
-
-/// Facets until no more than `rest` bytes of the text are left, or else until all solids have ended. Whether the
-/// scanner stands in a solid, between facets, is given and returned. notes: as of read_facet().
-bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t> rest, MeshArrays& mesh,
-                 UncutPolygons& uncut, ReadingNotes* notes = nullptr) {
-    // A file may hold several solids; the rest of the lines "solid" and "endsolid" is a name.
-    while (in_solid || scanner.next_line()) {
-        if (!in_solid) {
-            expect(scanner, "solid");
-            mesh.runs.push_back({mesh.triangles.size(), name_in(scanner)});
-            scanner.next_line();
-            in_solid = true;
-        }
-        if (rest && scanner.remaining() <= *rest) return true;
-        const std::string_view word = joined_end(scanner, scanner.word_of_text());
-        if (equals_ignoring_case(word, "endsolid"))
-            in_solid = false;
-        else if (equals_ignoring_case(word, "facet"))
-            read_facet(scanner, mesh, uncut, notes);
-        else
-            scanner.fail_word("'facet' or 'endsolid'", word);
+        if (t == triangle_count && attributes > 0 && binary_size(triangle_count) + attributes == file.size())
+            return true;
     }
     return false;
 }
 
-/// The offsets of parts of a text that can be read in parallel. A part begins after what looks like the end of a facet.
-std::vector<std::size_t> begins_of_parts(std::string_view text) {
-    constexpr std::size_t part_bytes = std::size_t{1} << 20;
-    constexpr std::string_view end_of_facet = "endfacet";
-    std::vector<std::size_t> begins{0};
-    while (text.size() - begins.back() > part_bytes) {
-        const std::size_t end = text.find(end_of_facet, begins.back() + part_bytes);
-        if (end == std::string_view::npos) break;
-        begins.push_back(end + end_of_facet.size());
-    }
-    return begins;
+/// Why the corners cannot be those of a mesh, as if bytes had been lost or added among the triangles; empty if they
+/// can.
+std::string damage_in(const MeshArrays& mesh, const ReadingNotes& notes) {
+    constexpr double most_edges = 1e6;
+    std::vector<double> edges;
+    edges.reserve(3 * mesh.triangles.size());
+    Extent extent;
+    for (const Triangle& triangle : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3 &from = mesh.vertices[triangle[k]], &to = mesh.vertices[triangle[(k + 1) % 3]];
+            extent.add(from);
+            edges.push_back(std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
+        }
+    if (notes.bad_faces.count > 0 || !extent.is_finite()) return "corners are not finite";
+    if (edges.empty()) return {};
+    const auto middle = edges.begin() + static_cast<std::ptrdiff_t>(edges.size() / 2);
+    std::ranges::nth_element(edges, middle);
+    double side = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) side = std::max(side, extent.box.upper[axis] - extent.box.lower[axis]);
+    if (side <= most_edges * *middle) return {};
+    return fmt::format("corners are up to {:.3g} apart, while the median edge has the length {:.3g}", side, *middle);
 }
 
-/// Resizes an empty vector, on huge pages if it is large.
-template <class Value>
-void resize_on_huge_pages(std::vector<Value>& values, std::size_t size) {
-    values.reserve(size);
-    advise_huge_pages(values.data(), size * sizeof(Value));
-    values.resize(size);
-}
-
-MeshArrays joined(std::span<const MeshArrays> parts) {
-    std::vector<std::size_t> first_vertex{0}, first_triangle{0};
-    for (const MeshArrays& part : parts) {
-        first_vertex.push_back(first_vertex.back() + part.vertices.size());
-        first_triangle.push_back(first_triangle.back() + part.triangles.size());
-    }
-    MeshArrays mesh;
-    resize_on_huge_pages(mesh.vertices, first_vertex.back());
-    resize_on_huge_pages(mesh.triangles, first_triangle.back());
-    for_each_index(
-        parts.size(),
-        [&](std::size_t i) {
-            std::ranges::copy(parts[i].vertices, mesh.vertices.data() + first_vertex[i]);
-            const auto first = static_cast<std::uint32_t>(first_vertex[i]);
-            std::ranges::transform(parts[i].triangles, mesh.triangles.data() + first_triangle[i],
-                                   [first](const Triangle& triangle) -> Triangle {
-                                       return {first + triangle[0], first + triangle[1], first + triangle[2]};
-                                   });
-        },
-        1);
-    // A part that begins in a solid goes on with the run before it.
-    for (std::size_t i = 0; i < parts.size(); ++i)
-        for (const GroupRun& run : parts[i].runs)
-            mesh.runs.push_back({first_triangle[i] + run.first_triangle, run.name});
+/// Some programs write bytes after the last triangle. Fewer than a triangle has: with room for another triangle the
+/// count may be wrong.
+MeshArrays read_binary_with_bytes_after(const FileContent& file, std::size_t triangle_count, ReadingNotes& notes) {
+    MeshArrays mesh = read_binary(file, triangle_count, notes);
+    if (const std::string damage = damage_in(mesh, notes); !damage.empty())
+        throw Error(
+            ErrorCode::unreadable_input,
+            fmt::format("{}: {}, and {}: bytes were added or lost, as when a file is sent as text; get the file "
+                        "again, as it was written",
+                        file.path(), sizes_in_words(file, triangle_count), damage));
+    notes.bytes_after = file.size() - binary_size(triangle_count);
+    notes.last = "triangle";
     return mesh;
 }
 
-/// Reads the parts of a text on all cores. Nothing if one of them has an error, or does not end where the next one
-/// begins, in a solid and between facets: if all do, this is what reading them one after the other gives.
-std::optional<MeshArrays> read_parts(const FileContent& file, UncutPolygons& uncut) {
-    const std::vector<std::size_t> begins = begins_of_parts(file.text());
-    if (begins.size() == 1) return {};
-    std::vector<MeshArrays> parts(begins.size());
-    std::vector<UncutPolygons> uncut_of_parts(begins.size());
-    std::atomic<bool> all_fit = true;
-    for_each_index(
-        parts.size(),
-        [&](std::size_t i) {
-            if (!all_fit) return;
-            TextScanner scanner(file.text().substr(begins[i]), file.path(), {});
-            const bool is_last = i + 1 == parts.size();
-            const std::size_t rest = is_last ? 0 : file.size() - begins[i + 1];
-            try {
-                const bool in_solid = read_solids(scanner, i > 0, is_last ? std::nullopt : std::optional(rest),
-                                                  parts[i], uncut_of_parts[i]);
-                if (!is_last && (!in_solid || scanner.remaining() != rest)) all_fit = false;
-            } catch (const Error&) {
-                all_fit = false;
-            }
-        },
-        1);
-    if (!all_fit) return {};
-    std::size_t triangles = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        uncut_of_parts[i].first_triangle += triangles;
-        uncut.add(uncut_of_parts[i]);
-        triangles += parts[i].triangles.size();
-    }
-    return joined(parts);
-}
+/// A text without what follows it: zeros and Ctrl-Z, which end texts of some systems or fill files up, and blanks.
+struct Text {
+    std::string_view text;
+    std::size_t padding;  ///< zeros and Ctrl-Z
 
-MeshArrays read_ascii(const FileContent& file, ReadingNotes& notes) {
-    if (std::optional<MeshArrays> mesh = read_parts(file, notes.uncut)) return std::move(*mesh);
-    // As a whole: errors and bad facets have their line here.
-    TextScanner scanner(file.text(), file.path(), {});
-    MeshArrays mesh;
-    read_solids(scanner, false, {}, mesh, notes.uncut, notes.skip_bad_facets ? &notes : nullptr);
-    return mesh;
+    explicit Text(std::string_view bytes) {
+        constexpr std::string_view blanks_and_padding = "\0\x1A \t\v\f\r\n"sv;
+        const std::size_t end = bytes.find_last_not_of(blanks_and_padding) + 1;
+        padding = static_cast<std::size_t>(
+            std::ranges::count_if(bytes.substr(end), [](char c) { return c == '\0' || c == '\x1A'; }));
+        text = bytes.substr(0, end);
+    }
+};
+
+/// Whether the bytes cannot be text: the header of a binary file may begin with "solid" as well, and the number of
+/// triangles behind it has control characters.
+bool is_binary(std::string_view bytes) {
+    return !is_text(bytes.substr(0, header_bytes)) &&
+           bytes.substr(0, telling_bytes).find('\0') != std::string_view::npos;
 }
 
 }  // namespace
 
 bool has_size_of_binary_stl(const FileContent& file) {
     const std::optional<std::size_t> count = binary_triangle_count(file);
-    return count && file.size() == header_bytes + *count * triangle_bytes;
+    return count && file.size() == binary_size(*count);
 }
 
 MeshArrays read_stl(const FileContent& file, ReadingNotes& notes) {
-    // The size tells, because the header of a binary file may begin with "solid" as well.
     const std::optional<std::size_t> count = binary_triangle_count(file);
     if (has_size_of_binary_stl(file)) return read_binary(file, *count, notes);
-    const bool has_zero_byte = file.text().substr(0, 4096).find('\0') != std::string_view::npos;
-    if (starts_with_solid(file) && !has_zero_byte) return read_ascii(file, notes);
-    // Some programs write bytes after the last triangle. With room for another triangle the count may be wrong.
-    if (const std::size_t size = header_bytes + count.value_or(0) * triangle_bytes;
-        count && file.size() > size && file.size() - size < triangle_bytes)
-        return read_binary(file, *count, notes);
+    const Text text(file.text());
+    if (begins_as_text_of_stl(text.text, file.path()) && !is_binary(file.text())) {
+        notes.padding = text.padding;
+        return read_stl_text(text.text, file.path(), notes);
+    }
+    if (count && has_attributes(file, *count))
+        throw Error(
+            ErrorCode::unreadable_input,
+            fmt::format("{}: {}: its triangles claim attributes of {} bytes in all, which STL has no place for; "
+                        "export it without attributes, or as .ply",
+                        file.path(), sizes_in_words(file, *count), file.size() - binary_size(*count)));
+    if (count && file.size() > binary_size(*count) && file.size() - binary_size(*count) < triangle_bytes)
+        return read_binary_with_bytes_after(file, *count, notes);
     if (file.size() == 0) throw Error(ErrorCode::unreadable_input, fmt::format("{}: the file is empty", file.path()));
     if (const std::string begin = quoted_begin(file); !begin.empty())
         throw Error(ErrorCode::unreadable_input,
@@ -265,10 +174,7 @@ MeshArrays read_stl(const FileContent& file, ReadingNotes& notes) {
             fmt::format("{}: neither text that begins with 'solid' nor a binary STL file, whose header alone has "
                         "{} bytes; this file has {}",
                         file.path(), header_bytes, file.size()));
-    throw Error(
-        ErrorCode::unreadable_input,
-        fmt::format("{}: the header claims {} triangle{}, so the file should have {} bytes, but it has {}", file.path(),
-                    *count, *count == 1 ? "" : "s", header_bytes + *count * triangle_bytes, file.size()));
+    throw Error(ErrorCode::unreadable_input, fmt::format("{}: {}", file.path(), sizes_in_words(file, *count)));
 }
 
 }  // namespace clsdf

@@ -18,6 +18,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/read_off_obj.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_ply.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_stl.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/read_stl_text.cpp
           ${CMAKE_CURRENT_LIST_DIR}/text_scanner.cpp
           ${CMAKE_CURRENT_LIST_DIR}/write_meshes.cpp
           ${CMAKE_CURRENT_SOURCE_DIR}/tools/defects.cpp
