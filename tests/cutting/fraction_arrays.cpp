@@ -63,7 +63,7 @@ struct Rows {
         std::size_t wrong = 0;
         for (std::size_t n = 0; n < to.room; ++n) {
             const bool is_row = n < rows.size();
-            const CellFraction& row = rows[is_row ? n : 0];
+            const CellFraction row = is_row ? rows[n] : CellFraction{};
             const auto differ = [&](auto found, auto known) { return found != (is_row ? known : decltype(known)(-7)); };
             wrong += pieces[n] != (is_row ? row.pieces : 77);
             wrong += differ(volume[n], row.volume) || differ(area[2 * n], row.area) || area[2 * n + 1] != -7;

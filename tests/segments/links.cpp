@@ -4,6 +4,7 @@
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/queries.hpp"
+#include "support/supposes.hpp"
 #include "support/throws.hpp"
 
 #include "device/opencl.hpp"
@@ -515,7 +516,7 @@ BOOST_AUTO_TEST_CASE(slabs_have_the_rows_of_the_whole) {
                  [&] { transform.links(grid, directions, LinkSink()); });
 }
 
-BOOST_AUTO_TEST_CASE(too_little_memory_names_the_grid_and_the_bytes) {
+BOOST_AUTO_TEST_CASE(too_little_memory_names_the_grid_and_the_bytes, *boost::unit_test::precondition(on_usual_memory)) {
     const DistanceTransform transform(test_device(), ball());
     // Beyond the addresses that a process can have.
     const Grid grid{{0, 0, 0}, {1, 1, 1}, {200000, 200000, 200000}, {}};

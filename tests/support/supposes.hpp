@@ -30,6 +30,17 @@ inline boost::test_tools::assertion_result on_pocl(boost::unit_test::test_unit_i
     return supposed(platform == "Portable Computing Language", "PoCL, and the device is one of " + platform);
 }
 
+/// An allocation beyond a process's addresses fails with std::bad_alloc. The sanitizers end the process instead, with
+/// allocator_may_return_null, too.
+inline boost::test_tools::assertion_result on_usual_memory(boost::unit_test::test_unit_id) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    constexpr bool is_usual = false;
+#else
+    constexpr bool is_usual = true;
+#endif
+    return supposed(is_usual, "an allocator that throws, and this is a sanitizer's");
+}
+
 /// A path of the build; a bundle of the programs on another machine names it in the environment.
 inline std::string path_of_build(const char* variable, const char* path) {
     const char* const named = std::getenv(variable);
