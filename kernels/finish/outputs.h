@@ -17,8 +17,9 @@ namespace clsdf {
 // Names of a triangle's vertices and edges: each is named as a site of the lowest triangle that shares it.
 typedef struct TriangleSites {
     clsdf_uint32 triangle[6];  // by site: the lowest triangle, in the caller's order
-    clsdf_uint8
-        site[8];  // by site: its number there, with CLSDF_SITE_REVERSED if that triangle's edge runs the other way
+    // By site: its number there, with CLSDF_SITE_REVERSED if that triangle's edge runs the other way.
+    clsdf_uint8 site[6];
+    clsdf_uint8 unused[2];  // 0: bytes that are shared have no padding
 } TriangleSites;
 
 // A triangle that is a piece of a face as given, and how the outputs tell it. Rows of two TriangleSites.

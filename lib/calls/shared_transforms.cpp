@@ -26,7 +26,7 @@ namespace clsdf {
 
 namespace {
 
-constexpr ArchiveHead own_head{.name{'c', 'l', 's', 'd', 'f', 's', 'h', 'r'}, .layout = 1};
+constexpr ArchiveHead own_head{.name{'c', 'l', 's', 'd', 'f', 's', 'h', 'r'}, .layout = 2};
 /// The values begin at a line.
 constexpr std::size_t head_bytes = at_line(sizeof(ArchiveHead));
 
@@ -46,9 +46,10 @@ void check_alignment(const void* memory) {
                         line_bytes, memory));
 }
 
-/// On all cores.
-std::uint64_t hash_of_all(std::span<const std::byte> bytes) {
+/// Of all bytes behind the head, its padding and `size` bytes of values. On all cores.
+std::uint64_t hash_of_all(std::span<const std::byte> memory, std::size_t size) {
     constexpr std::size_t piece = std::size_t{1} << 20;
+    const auto bytes = memory.subspan(sizeof(ArchiveHead), head_bytes - sizeof(ArchiveHead) + size);
     std::vector<std::uint64_t> hashes(chunk_count(bytes.size(), piece));
     for_each_index(
         hashes.size(),
@@ -120,7 +121,7 @@ void DistanceTransform::State::share(std::span<std::byte> memory) {
         std::memset(memory.data(), 0, head_bytes);
         WritingArchive archive(values);
         content.visit(archive);
-        head.hash = hash_of_all(values);
+        head.hash = hash_of_all(memory, values.size());
         std::atomic_thread_fence(std::memory_order_release);
         std::memcpy(memory.data(), &head, sizeof(head));
     });
@@ -135,14 +136,14 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_shared(De
     std::memcpy(&head, memory.data(), sizeof(head));
     if (head.name == std::array<char, 8>{}) refuse("nothing has been written yet, or not all");
     if (const std::optional<std::string> obstacle = obstacle_to_reading(head, own_head)) refuse(*obstacle);
-    memory = memory.subspan(head_bytes);
-    if (head.size > memory.size())
-        refuse(fmt::format("{} bytes follow the head, which states {}", memory.size(), head.size));
-    memory = memory.first(static_cast<std::size_t>(head.size));
-    if (head.hash != hash_of_all(memory)) refuse("it was changed since it was written");
+    const std::span<const std::byte> behind = memory.subspan(head_bytes);
+    if (head.size > behind.size())
+        refuse(fmt::format("{} bytes follow the head, which states {}", behind.size(), head.size));
+    const std::span<const std::byte> values = behind.first(static_cast<std::size_t>(head.size));
+    if (head.hash != hash_of_all(memory, values.size())) refuse("it was changed since it was written");
     Content content;
     try {
-        ReadingArchive archive(memory);
+        ReadingArchive archive(values);
         content.visit(archive);
         if (!archive.is_at_end()) refuse("it has more values than a transform");
     } catch (const ReadingArchive::Ended&) {

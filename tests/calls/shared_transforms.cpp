@@ -1,11 +1,13 @@
 // A transform that reads a prepared mesh in memory that others share gives what the one does that was shared.
 #include "calls/restricted_bodies.hpp"
+#include "support/filled_memory.hpp"
 #include "support/throws.hpp"
 
 #include <clsdf/segments.hpp>
 
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -108,8 +110,47 @@ BOOST_AUTO_TEST_CASE(a_shared_transform_has_the_bytes_of_the_first_in_read_only_
             // And so on, without the first.
             std::optional<Pages> again(std::in_place, shared);
             const DistanceTransform other = DistanceTransform::from_shared(test_device(), again->bytes());
-            BOOST_TEST((again->bytes().size() == pages.bytes().size()));
+            BOOST_TEST(std::ranges::equal(again->bytes(), pages.bytes()));
             check_same(query(*first, points_about(mesh.box(), 300)), query(other, points_about(mesh.box(), 300)));
+        }
+    }
+}
+
+namespace {
+
+/// The bytes that a new transform shares. `old`: what is in all memory before, its own and that for the result.
+/// has_worked: whether it has answered all kinds of calls, whose results its buffers had, too.
+std::vector<std::byte> shared_bytes(const Body& body, unsigned char old, bool has_worked) {
+    const FilledMemory filled(old);
+    const DistanceTransform transform(test_device(), body.mesh, body.options);
+    if (has_worked) {
+        const double side = body.mesh.box().longest_side();
+        const Grid grid = samples_in(body.mesh.box(), side / 19, {0, 0, 0});
+        transform.compute(grid, Band::symmetric(side / 5));
+        transform.compute(grid, Band::full(), all_outputs());
+        query(transform, points_about(body.mesh.box(), 3000));
+        ray_hits(transform, points_about(body.mesh.box(), 100));
+    }
+    const std::size_t size = transform.prepared_bytes();
+    std::vector<std::byte> bytes(size + 64, std::byte{old});
+    const std::size_t begin = (64 - reinterpret_cast<std::uintptr_t>(bytes.data()) % 64) % 64;
+    transform.share(std::span(bytes).subspan(begin, size));
+    return {bytes.begin() + static_cast<std::ptrdiff_t>(begin),
+            bytes.begin() + static_cast<std::ptrdiff_t>(begin + size)};
+}
+
+}  // namespace
+
+// No byte of memory that was there before gets out, and the hash in the head is that of the mesh.
+BOOST_AUTO_TEST_CASE(equal_transforms_share_equal_bytes_whatever_was_in_memory_before) {
+    std::vector<Body> all = bodies();
+    all.push_back({make_shape("sphere3")});
+    all.push_back({fins()});  // and one without area
+    for (const Body& body : all) {
+        const std::vector<std::byte> bytes = shared_bytes(body, 0x00, false);
+        BOOST_TEST_CONTEXT(body.mesh.name()) {
+            BOOST_TEST((shared_bytes(body, 0xA5, false) == bytes));
+            BOOST_TEST((shared_bytes(body, 0x5A, true) == bytes));
         }
     }
 }
@@ -195,6 +236,13 @@ BOOST_AUTO_TEST_CASE(memory_without_a_whole_transform_is_refused_by_name) {
         damaged ^= std::byte{1};
         refused(memory, said);
         damaged ^= std::byte{1};
+    }
+    // Every bit of the head counts, also of what fills it up.
+    for (std::size_t bit = 0; bit < 8 * std::size_t{64}; ++bit) {
+        std::byte& damaged = memory[bit / 8];
+        damaged ^= std::byte{1} << bit % 8;
+        refused(memory, "");
+        damaged ^= std::byte{1} << bit % 8;
     }
     DistanceTransform::from_shared(test_device(), memory);
 }

@@ -1,5 +1,6 @@
 // A restricted transform that is made of bytes gives what the one does that they were made from.
 #include "calls/restricted_bodies.hpp"
+#include "support/filled_memory.hpp"
 #include "support/throws.hpp"
 
 #include "core/word_hash.hpp"
@@ -35,6 +36,29 @@ BOOST_AUTO_TEST_CASE(a_part_of_bytes_has_the_answers_and_the_bytes_of_the_first)
                 check_same_answers(part, read, region, origin);
                 BOOST_TEST((read.part_bytes() == bytes));
             }
+        }
+    }
+}
+
+// No byte of memory that was there before gets out.
+BOOST_AUTO_TEST_CASE(equal_parts_have_equal_bytes_whatever_was_in_memory_before) {
+    for (const auto& [mesh, options] : bodies()) {
+        const double side = mesh.box().longest_side(), h = side / 30;
+        const Region region{boxes_about(mesh).front(), 4 * h, h};
+        for (const double margin : {0.0, 0.5 * h}) {
+            const auto bytes_of = [&](unsigned char old, bool has_worked) {
+                const FilledMemory filled(old);
+                const DistanceTransform whole(test_device(), mesh, options);
+                const DistanceTransform part = whole.restrict_to(region, margin);
+                if (has_worked) {
+                    part.compute(samples_in(region.box, h, {0, 0, 0}), Band::symmetric(2 * h), all_outputs());
+                    query(part, std::array{region.box.lower, region.box.upper}, region.half_width);
+                }
+                return part.part_bytes();
+            };
+            const std::vector<std::byte> bytes = bytes_of(0x00, false);
+            BOOST_TEST((bytes_of(0xA5, false) == bytes), mesh.name() << ", margin " << margin);
+            BOOST_TEST((bytes_of(0x5A, true) == bytes), mesh.name() << ", margin " << margin);
         }
     }
 }

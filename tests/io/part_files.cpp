@@ -1,4 +1,5 @@
 // Files of parts give back the bytes, and name what is wrong.
+#include "support/filled_memory.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
@@ -11,6 +12,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,24 @@ BOOST_AUTO_TEST_CASE(parts_come_back_by_their_numbers) {
     for (const std::size_t part : {2U, 0U, 1U}) BOOST_TEST((read_part(path, part) == bytes_of(part)), part);
     check_throws(ErrorCode::invalid_argument, {"no part 3: parts are numbered from 0, and it has 3"},
                  [&] { read_part(path, 3); });
+}
+
+// No byte of memory that was there before gets out.
+BOOST_AUTO_TEST_CASE(equal_parts_make_equal_files_whatever_was_in_memory_before) {
+    const TemporaryFolder folder;
+    const auto text_of = [&](unsigned char old) {
+        const FilledMemory filled(old);
+        const std::string path = folder.file("parts.h5");
+        PartWriter writer(path);
+        for (std::size_t part = 0; part < 2; ++part) writer.append(bytes_of(part));
+        writer.finish();
+        std::ifstream file(path, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    };
+    const std::string text = text_of(0x00);
+    BOOST_TEST(text.size() > 5'000'000U);
+    BOOST_TEST((text_of(0xA5) == text));
+    BOOST_TEST((text_of(0x5A) == text));
 }
 
 BOOST_AUTO_TEST_CASE(no_file_stays_without_finish) {

@@ -205,8 +205,10 @@ void name_sites(const MeshTopology& topology, std::span<TriangleSites> names) {
         const SiteOfFace& lowest = faces.front();
         for (const SiteOfFace& face : faces) {
             const std::uint32_t turned = face.is_reversed != lowest.is_reversed ? CLSDF_SITE_REVERSED : 0U;
-            names[face.triangle].triangle[face.site] = lowest.triangle;
-            names[face.triangle].site[face.site] = static_cast<std::uint8_t>(lowest.site | turned);
+            TriangleSites& named = names[face.triangle];
+            named.triangle[face.site] = lowest.triangle;
+            named.site[face.site] = static_cast<std::uint8_t>(lowest.site | turned);
+            if (face.site == 0) named.unused[0] = named.unused[1] = 0;
         }
     });
 }
