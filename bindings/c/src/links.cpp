@@ -3,7 +3,11 @@
 #include "values.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,6 +45,37 @@ LinkTargets targets_of(const clsdf_link_arrays& arrays) {
 
 void set_bytes(const SampleSides& sides, std::uint8_t* bytes) {
     for (std::size_t n = 0; n < sides.sample_count(); ++n) bytes[n] = sides.is_inside(n) ? 1 : 0;
+}
+
+/// Throws if two of the arrays have a byte in common.
+void refuse_overlap(const clsdf_crossing_arrays& arrays, const Grid& grid) {
+    struct Range {
+        std::uintptr_t begin, end;
+        const char* name;
+    };
+    std::vector<Range> ranges;
+    const auto add = [&](const auto* first, std::size_t count, const char* name) {
+        const auto begin = reinterpret_cast<std::uintptr_t>(first);
+        if (first != nullptr && count > 0) ranges.push_back({begin, begin + count * sizeof(*first), name});
+    };
+    constexpr std::array coordinates{"coordinates[0]", "coordinates[1]", "coordinates[2]"};
+    constexpr std::array triangles{"triangles[0]", "triangles[1]", "triangles[2]"};
+    constexpr std::array counts{"counts[0]", "counts[1]", "counts[2]"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        Grid edges = grid;
+        --edges.size[axis];
+        const std::size_t count = edges.sample_count();
+        add(arrays.coordinates[axis], count, coordinates[axis]);
+        add(arrays.triangles[axis], count, triangles[axis]);
+        add(arrays.counts[axis], count, counts[axis]);
+    }
+    add(arrays.inside, grid.sample_count(), "inside");
+    std::ranges::stable_sort(ranges, {}, &Range::begin);
+    const auto found = std::ranges::adjacent_find(
+        ranges, [](const Range& before, const Range& range) { return range.begin < before.end; });
+    if (found != ranges.end())
+        throw c::misuse(std::string("clsdf_crossing_arrays.") + found->name + " and " + std::next(found)->name +
+                        " lie on the same bytes; give each memory of its own");
 }
 
 /// Hands slabs on with triangles and directions that count from the mesh's index base.
@@ -143,9 +178,11 @@ clsdf_status clsdf_crossings(const clsdf_transform* transform, const clsdf_grid*
         const Call caller(call);
         const clsdf_crossing_arrays& to = given(arrays, "arrays");
         const bool with_counts = std::ranges::any_of(to.counts, [](const auto* own) { return own != nullptr; });
+        const Grid of_caller = c::grid_of(grid);
+        of_caller.validate();
+        refuse_overlap(to, of_caller);
         TransformStatistics measured;
-        const Crossings found =
-            self.transform.crossings(c::grid_of(grid), {.with_counts = with_counts}, caller, &measured);
+        const Crossings found = self.transform.crossings(of_caller, {.with_counts = with_counts}, caller, &measured);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const EdgeCrossings& edges = found.axes[axis];
             if (to.coordinates[axis] != nullptr) std::ranges::copy(edges.coordinates, to.coordinates[axis]);

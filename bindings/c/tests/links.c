@@ -1,7 +1,7 @@
 /* Links and crossings of a box, whose walls lie between samples. */
 #include "test.h"
 
-enum { N = 8 };
+enum { N = 8, EDGES = (N - 1) * N * N };
 
 typedef struct Taken {
     const clsdf_link_arrays* whole;
@@ -107,18 +107,30 @@ int main(void) {
     CHECK(count == counted);
 
     memset(&crossings, 0, sizeof crossings);
-    crossings.coordinates[0] = allocate((N - 1) * N * N * sizeof(double));
-    crossings.counts[0] = allocate((N - 1) * N * N * sizeof(uint32_t));
-    crossings.triangles[2] = allocate(N * N * (N - 1) * sizeof(uint32_t));
+    crossings.coordinates[0] = allocate(EDGES * (sizeof(double) + sizeof(uint32_t)) + N * N * N);
+    crossings.counts[0] = (uint32_t*)(crossings.coordinates[0] + EDGES); /* arrays may lie side by side */
+    crossings.inside = (uint8_t*)(crossings.counts[0] + EDGES);
+    crossings.triangles[2] = allocate(EDGES * sizeof(uint32_t));
     OK(clsdf_crossings(transform, &grid, &crossings, NULL, NULL));
     CHECK(crossings.coordinates[0][1 + (N - 1) * (2 + N * 2)] == 1.25 &&
           crossings.counts[0][1 + (N - 1) * (2 + N * 2)] == 1);
     CHECK(crossings.coordinates[0][2] != crossings.coordinates[0][2]);
     CHECK(crossings.triangles[2][2 + N * (2 + N * 1)] <= 2 && crossings.triangles[2][0] == 0);
+    CHECK(crossings.inside[2 + N * (2 + N * 2)] == 1 && crossings.inside[1] == 0);
+    /* Nothing is written if two arrays have a byte in common. */
+    crossings.coordinates[1] = crossings.coordinates[0];
+    crossings.coordinates[0][2] = 7;
+    FAILS(CLSDF_INVALID_ARGUMENT, "coordinates[0] and coordinates[1] lie on the same bytes",
+          clsdf_crossings(transform, &grid, &crossings, NULL, NULL));
+    crossings.coordinates[1] = NULL;
+    crossings.inside = (uint8_t*)(crossings.triangles[2] + EDGES) - 1;
+    FAILS(CLSDF_INVALID_ARGUMENT, "triangles[2] and inside lie on the same bytes",
+          clsdf_crossings(transform, &grid, &crossings, NULL, NULL));
+    CHECK(crossings.coordinates[0][2] == 7);
 
     free(links.samples), free(links.directions), free(links.q), free(links.triangles), free(links.counts);
-    free(links.flags), free(links.inside), free(crossings.coordinates[0]), free(crossings.counts[0]);
-    free(crossings.triangles[2]), free(dense.dense_floats);
+    free(links.flags), free(links.inside), free(crossings.coordinates[0]), free(crossings.triangles[2]);
+    free(dense.dense_floats);
     clsdf_transform_release(transform), clsdf_mesh_release(mesh), clsdf_device_release(device);
     return 0;
 }
