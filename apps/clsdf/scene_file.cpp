@@ -27,10 +27,13 @@ using nlohmann::json;
     throw Error(ErrorCode::unreadable_input, message);
 }
 
-/// No member of an object may be there twice: the library keeps the last one.
+/// No member of an object may be there twice: the library keeps the last one. No text may have the character 0: paths
+/// and messages would end there.
 json parsed(const std::string& text) {
     std::vector<std::set<std::string>> members;  // of the objects that are open
     return json::parse(text, [&](int, json::parse_event_t event, const json& value) {
+        if (value.is_string() && value.get_ref<const std::string&>().find('\0') != std::string::npos)
+            refuse(fmt::format("the text {} has the character U+0000; leave it out", value.dump()));
         if (event == json::parse_event_t::object_start) members.emplace_back();
         if (event == json::parse_event_t::object_end) members.pop_back();
         if (event == json::parse_event_t::key && !members.back().insert(value.get<std::string>()).second)

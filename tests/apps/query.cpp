@@ -471,6 +471,10 @@ BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
              {R"(, {"instance": "base", "pose": [2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]})", "no rotation"},
              {R"(, {"instance": "base", "pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2]})", "last row"},
              {R"(, {"mesh": "cube.off", "sign": "below"})", "sign rule 'below' is not one of"},
+             // Texts end there for the system, and so would the message.
+             {R"(, {"name": "li\u0000d", "mesh": "none.off"})", R"("li\u0000d" has the character U+0000)"},
+             {R"(, {"mesh": "cube.off\u0000d"})", R"("cube.off\u0000d" has the character U+0000)"},
+             {R"(, {"instance": "base", "pl\u0000ace": 1})", R"("pl\u0000ace" has the character U+0000)"},
              {", 7", "no object"},
              {",", "scene.json"}})
         check_refused(run_command({"query", scene(more), points, "-o", result}), 3, {"scene.json", message});
