@@ -78,6 +78,12 @@ class EdgeCrossings:
         self.counts: npt.NDArray[np.uint32] | None
         self.coordinates, self.triangles, self.counts = arrays
 
+    def _crossed(self) -> int:
+        return int(np.count_nonzero(~np.isnan(self.coordinates)))
+
+    def __repr__(self) -> str:
+        return f"<clsdf.EdgeCrossings: {self._crossed()} in arrays of shape {self.coordinates.shape}>"
+
 
 class Crossings:
     """Where the edges of a grid meet walls: x, y and z are EdgeCrossings along these axes. inside: (nz, ny, nx) bool, as
@@ -90,7 +96,8 @@ class Crossings:
         self.inside = _samples_of(bits, grid)
 
     def __repr__(self) -> str:
-        return f"<clsdf.Crossings of grid {self.grid.shape}>"
+        x, y, z = (axis._crossed() for axis in (self.x, self.y, self.z))
+        return f"<clsdf.Crossings: {x} along x, {y} along y and {z} along z of grid {self.grid.shape}>"
 
 
 #: A stencil by name, by name and code, or whole numbers (n, 3).

@@ -26,6 +26,12 @@ class Groups(NamedTuple):
     names: list[str]  #: all different; '' may be that of faces to which a file gives none
     numbers: npt.NDArray[np.int32]  #: (m,)
 
+    def __repr__(self) -> str:
+        return f"<clsdf.Groups: {self._few()} of {len(self.numbers)} faces>"
+
+    def _few(self) -> str:
+        return repr(self.names) if len(self.names) <= 8 else f"{len(self.names)}, {self.names[:4]!r} and others"
+
     def of(self, triangles: npt.ArrayLike) -> npt.NDArray[np.int32]:
         """The numbers of triangles, as the output `triangle` has them; -1 beyond the band."""
         triangles = np.asarray(triangles)
@@ -69,7 +75,7 @@ class Mesh(tuple[Any, Any]):
         return self[0], self[1], self.groups, self.name
 
     def __repr__(self) -> str:
-        return f"<clsdf.Mesh: {self.name}, {len(self[0])} vertices, {len(self[1])} faces, groups {self.groups.names}>"
+        return f"<clsdf.Mesh: {self.name}, {len(self[0])} vertices, {len(self[1])} faces, groups {self.groups._few()}>"
 
 
 def _groups_of(groups: Any, faces: int) -> Groups:

@@ -61,6 +61,12 @@ class Rays(NamedTuple):
     #: All hits up to the limit; None unless asked for.
     counts: Any = None
 
+    def __repr__(self) -> str:
+        shape = np.shape(self.t)
+        if not shape:
+            return f"<clsdf.Rays: t {self.t:.6g}, triangle {self.triangle}>"
+        return f"<clsdf.Rays: {np.count_nonzero(np.isfinite(self.t))} hits in arrays of shape {shape}>"
+
 
 class BoxPlace(enum.IntEnum):
     """The position of a box relative to the mesh, from classify()."""

@@ -426,6 +426,16 @@ def test_looks(body, tmp_path):
     assert field.shape == field.distance.shape and field._repr_png_() == clsdf.slice_picture(field).png()
     assert repr(clsdf.slice_picture(field)).startswith("<clsdf.Picture: ")
     assert repr(clsdf.trimesh.ProximityQuery("mesh")) == "<clsdf.trimesh.ProximityQuery: 'mesh'>"
+    links, crossings = body.links(field.grid, "D3Q19"), body.crossings(field.grid)
+    rays = body.rays((0, 0, 0), np.full((1000, 3), 0.5), most=2)
+    groups = [f"group {i}" for i in range(1000)], np.arange(len(body.faces)) % 1000
+    mesh = clsdf.Mesh(body.vertices, body.faces, groups)
+    arrays = [links, crossings, crossings.x, rays, clsdf.fractions(body, field.grid), clsdf.outer(body), mesh, mesh.groups]
+    for thing in arrays:
+        for text in (repr(thing), str(thing), f"{thing}"):
+            assert text.startswith(f"<clsdf.{type(thing).__name__}") and len(text) < 200 and "\n" not in text, text
+    assert repr(rays) == "<clsdf.Rays: 1000 hits in arrays of shape (1000, 2)>"
+    assert repr(body.rays((0, 0, 0), (1, 0, 0), limit=1e-9)) == f"<clsdf.Rays: t inf, triangle {clsdf.no_triangle}>"
     assert str(inspect.signature(clsdf.Grid)) == "(origin, spacing, size, first=(0, 0, 0))"
     assert str(inspect.signature(clsdf.Band)) == "(inside, outside=None, *, exact_signs=False)"
 
