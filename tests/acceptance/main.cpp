@@ -33,6 +33,7 @@ struct Options {
     std::string fields;
     std::string only;
     std::string commit;
+    std::size_t part = 0, parts = 1;
     std::uint64_t seed = 1;
     std::string body = "automatic";
 };
@@ -66,7 +67,9 @@ std::vector<Case> cases_of(const Options& options, Record& record) {
     if (options.complete && options.only.empty() &&
         std::none_of(cases.begin(), cases.end(), [](const Case& example) { return example.name == bunny; }))
         throw Error(ErrorCode::unreadable_input, "the field whose costs are limited is missing: " + bunny);
-    return cases;
+    std::vector<Case> own;
+    for (std::size_t n = options.part; n < cases.size(); n += options.parts) own.push_back(std::move(cases[n]));
+    return own;
 }
 
 /// Flushed, so that a redirected run can be followed.
@@ -132,6 +135,8 @@ int main(int argument_count, char** arguments) {
     auto* const meshes = app.add_option("--meshes", options.meshes, "Folder of the meshes of CGAL's data");
     meshes->check(CLI::ExistingDirectory);
     app.add_option("--only", options.only, "Fields whose name holds this text, or of this kind");
+    auto* const parts = app.add_option("--parts", options.parts, "Divide the list into so many parts");
+    app.add_option("--part", options.part, "The part of them to compute, from 0 on")->needs(parts);
     app.add_option("--seed", options.seed, "First seed of the random meshes")->capture_default_str();
     app.add_option("--body", options.body, "The kernels' body: automatic, by_vector, by_group, or both of these")
         ->check(CLI::IsMember(bodies))
@@ -144,6 +149,10 @@ int main(int argument_count, char** arguments) {
     CLI11_PARSE(app, argument_count, arguments);
     if (!options.complete && !options.sampled) {
         fmt::print(stderr, "acceptance: say --complete or --sampled\n");
+        return 2;
+    }
+    if (options.part >= options.parts) {
+        fmt::print(stderr, "acceptance: there is no part {} of {}; parts count from 0\n", options.part, options.parts);
         return 2;
     }
     if (options.complete && options.meshes.empty() && options.only.empty()) {

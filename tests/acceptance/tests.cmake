@@ -11,4 +11,16 @@ target_link_libraries(acceptance PRIVATE clsdf::io clsdf::reference clsdf_intern
 add_test(NAME acceptance COMMAND acceptance --sampled)
 set_tests_properties(acceptance PROPERTIES LABELS accuracy)
 
+# With -C nightly the whole list, with both bodies of the kernels, in parts of about 50 fields. It fetches the meshes.
+set(parts 24)
+math(EXPR last "${parts} - 1")
+add_test(NAME acceptance_meshes COMMAND ${PROJECT_SOURCE_DIR}/scripts/fetch-meshes CONFIGURATIONS nightly)
+set_tests_properties(acceptance_meshes PROPERTIES LABELS accuracy FIXTURES_SETUP acceptance_meshes)
+foreach(part RANGE ${last})
+  add_test(NAME acceptance_part_${part}
+           COMMAND acceptance --complete --body both --meshes ${PROJECT_SOURCE_DIR}/build/meshes --parts ${parts} --part ${part}
+           CONFIGURATIONS nightly)
+  set_tests_properties(acceptance_part_${part} PROPERTIES LABELS accuracy FIXTURES_REQUIRED acceptance_meshes TIMEOUT 3600)
+endforeach()
+
 add_custom_target(accept COMMAND ${PROJECT_SOURCE_DIR}/scripts/accept VERBATIM USES_TERMINAL)

@@ -27,8 +27,8 @@ endif()
 set(refusing bundle bundle-driver conformance debian-packages fetch-meshes figures fit-figure format gallery gpu-compile gpu-counts nightly on-arm on-debian
              on-opencl python-tests real-meshes release same-bytes setup site tidy try-debian try-debian-packages walk wheel)
 if(NOT EXISTS /usr/bin/python3)
-  list(REMOVE_ITEM scripts figures gpu-compile)
-  list(REMOVE_ITEM refusing figures gpu-compile)
+  list(REMOVE_ITEM scripts figures gpu-compile nightly)
+  list(REMOVE_ITEM refusing figures gpu-compile nightly)
 endif()
 foreach(script IN LISTS scripts)
   foreach(option --help -h)
@@ -59,98 +59,7 @@ if(NOT made STREQUAL "scripts")
   message(SEND_ERROR "the scripts made ${made}")
 endif()
 
-# A nightly run passes if each of its steps passed. The step `systems` counts if it has run or if it can, for root.
-file(WRITE "${tree}/scripts/test" "#!/bin/sh\n")
 file(MAKE_DIRECTORY "${SCRATCH}/programs")
-# expect_verdict(<user number> <line of systems or ""> <verdict>)
-function(expect_verdict user systems verdict)
-  file(WRITE "${SCRATCH}/programs/id" "#!/bin/sh\necho ${user}\n")
-  file(CHMOD "${SCRATCH}/programs/id" "${tree}/scripts/test" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
-  file(WRITE "${tree}/benchmarks/NIGHTLY.md" "# Nightly runs\n")
-  file(REMOVE_RECURSE "${tree}/build")
-  foreach(step sanitize threads fuzz faults acceptance disguise wheel packages)
-    file(WRITE "${tree}/build/nightly/${step}.line" "- ${step}: passed at unknown-dirty, 0:00:01; \n")
-  endforeach()
-  if(systems)
-    file(WRITE "${tree}/build/nightly/systems.line" "- systems: ${systems}, 0:00:01; \n")
-  endif()
-  execute_process(
-    COMMAND ${CMAKE_COMMAND} -E env "PATH=${SCRATCH}/programs:$ENV{PATH}" "GIT_CEILING_DIRECTORIES=${SCRATCH}"
-            "${tree}/scripts/nightly" suite
-    WORKING_DIRECTORY "${tree}"
-    OUTPUT_VARIABLE output
-    ERROR_VARIABLE output)
-  file(STRINGS "${tree}/benchmarks/NIGHTLY.md" titles REGEX "^## ")
-  if(NOT titles MATCHES "^## Commit unknown-dirty, .*: ${verdict}$")
-    message(SEND_ERROR "user ${user}, systems \"${systems}\": \"${titles}\" instead of ${verdict}: ${output}")
-  endif()
-endfunction()
-expect_verdict(0 "passed at unknown-dirty" passed)
-expect_verdict(0 "FAILED at unknown-dirty" FAILED)
-expect_verdict(0 "" incomplete)
-expect_verdict(1000 "" passed)
-expect_verdict(1000 "FAILED at unknown-dirty" FAILED)
-expect_verdict(1000 "passed at another" incomplete)
-
-# The end of a nightly run names the steps that passed at none of the last 300 commits, as the record in git has it: build
-# folders do not last. Each step's line is in the record when the step ends, and those of an earlier run at the same commit
-# stay, without its build folder.
-find_program(git git)
-if(git)
-  file(REMOVE_RECURSE "${tree}/build")
-  file(WRITE "${tree}/.gitignore" "/build/\n")
-  # This step passes if the record has that of the step before it.
-  file(WRITE "${tree}/scripts/accept" "#!/bin/sh\ngrep -q '^- suite: passed, 0:00:0' benchmarks/NIGHTLY.md\n")
-  file(CHMOD "${tree}/scripts/accept" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
-  set(history "")
-  foreach(n RANGE 1 302)
-    string(APPEND history "commit refs/heads/main\ncommitter a <a@b> ${n} +0000\ndata 0\n\n")
-  endforeach()
-  file(WRITE "${SCRATCH}/history" "${history}")
-  # in_tree(<variable> <argument>...) sets the variable to the output of git.
-  macro(in_tree variable)
-    execute_process(
-      COMMAND ${git} -c user.name=a -c user.email=a@b ${ARGN}
-      WORKING_DIRECTORY "${tree}"
-      INPUT_FILE "${SCRATCH}/history"
-      OUTPUT_VARIABLE ${variable}
-      OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
-  endmacro()
-  in_tree(ignored init --quiet --initial-branch=main)
-  in_tree(ignored fast-import --quiet)
-  in_tree(ignored add .)
-  in_tree(ignored commit --quiet --message=tree)
-  foreach(age 0 300 301 302)
-    in_tree(age_${age} rev-parse --short HEAD~${age})
-  endforeach()
-  file(WRITE "${tree}/benchmarks/NIGHTLY.md"
-       "# Nightly runs\n
-## Commit ${age_0}, 2026-11-02 00:00 UTC: FAILED\n\na machine\n
-- threads: FAILED, 0:00:01; 1 test\n- faults: passed at ${age_300}, 0:00:01; 1 test\n- disguise: not run\n
-## Commit ${age_301}, 2026-11-01 00:00 UTC: FAILED\n\na machine\n
-- sanitize: FAILED, 0:00:01; 1 test\n- threads: passed, 0:00:01; 1 test\n- fuzz: passed at ${age_302}, 0:00:01; 1 file
-- disguise: passed at ${age_300}-dirty, 0:00:01; 1 test\n")
-  execute_process(
-    COMMAND "${tree}/scripts/nightly" suite acceptance
-    WORKING_DIRECTORY "${tree}"
-    RESULT_VARIABLE status
-    OUTPUT_VARIABLE output
-    ERROR_VARIABLE output)
-  set(expected "")
-  foreach(step sanitize disguise wheel packages systems)
-    string(APPEND expected "- ${step}: no commit at which it passed is known\n")
-  endforeach()
-  string(APPEND expected "- fuzz: passed 302 commits ago, at ${age_302}\n- threads: passed 301 commits ago, at ${age_301}\n")
-  if(NOT status EQUAL 0 OR NOT output MATCHES "\nPassed at none of the last 300 commits:\n${expected}$")
-    message(SEND_ERROR "scripts/nightly ends with ${status} and names other steps than\n${expected}: ${output}")
-  endif()
-  file(READ "${tree}/benchmarks/NIGHTLY.md" record)
-  if(NOT record MATCHES "Commit ${age_0}, [^\n]*: FAILED\n.*- suite: passed, .*- threads: FAILED, 0:00:01; 1 test
-- fuzz: not run\n- faults: passed at ${age_300}, 0:00:01; 1 test\n- acceptance: passed, .*Commit ${age_301}")
-    message(SEND_ERROR "scripts/nightly writes the record ${record}")
-  endif()
-  file(REMOVE_RECURSE "${tree}/.git" "${tree}/build")
-endif()
 
 # The sources of the bundled driver are files of known contents. Without them one line says what is needed. The machine of
 # the test has all packages, and its apt is configured for no archive.

@@ -1,4 +1,5 @@
 # Promises that the build itself makes.
+find_package(Git QUIET)
 
 # The embedding does not change texts with characters that are special in CMake's lists and C++'s literals.
 set(treacherous ${CMAKE_CURRENT_BINARY_DIR}/treacherous.cl)
@@ -56,6 +57,10 @@ set_tests_properties(release PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
 # Enumerations and plain structs of the public headers have counterparts in C. The headers left out are Eigen's, and those
 # of libraries that a C interface would not have; and that of scenes, which C++ alone has.
 if(CLSDF_TEST_PYTHON)
+  if(Git_FOUND)
+    add_test(NAME held COMMAND ${CLSDF_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/held.py ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_BINARY_DIR}/held)
+    set_tests_properties(held PROPERTIES LABELS build)
+  endif()
   add_test(NAME c_names COMMAND ${CLSDF_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/c_names.py ${PROJECT_SOURCE_DIR}/lib/include/clsdf
                                 ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp openvdb.hpp scene.hpp)
   set_tests_properties(c_names PROPERTIES LABELS bindings)

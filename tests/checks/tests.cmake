@@ -2,8 +2,21 @@ clsdf_field_test(self_test known_field.cpp LABELS checks)
 target_link_libraries(test_checks_self_test PRIVATE clsdf::papers clsdf_papers_internals)
 # Kernels that are made wrong on purpose are compiled anew.
 set_tests_properties(checks_self_test PROPERTIES TIMEOUT 900)
-add_test(NAME checks_every_mutation
-         COMMAND test_checks_self_test --color_output=no
-                 --run_test=the_self_test/refuses_wrong_kernels_before_the_first_result
-         CONFIGURATIONS nightly)
-set_tests_properties(checks_every_mutation PROPERTIES ENVIRONMENT CLSDF_EVERY_MUTATION=1 LABELS "checks;nightly" TIMEOUT 3600)
+# A third of them in each build, by the number of commits; with -C nightly all, in ten parts.
+set(part 0)
+find_package(Git QUIET)
+if(Git_FOUND)
+  execute_process(COMMAND ${GIT_EXECUTABLE} rev-list --count HEAD WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE commits
+                  OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  if(commits)
+    math(EXPR part "${commits} % 3")
+  endif()
+endif()
+set_tests_properties(checks_self_test PROPERTIES ENVIRONMENT CLSDF_MUTATIONS=${part}/3)
+foreach(part RANGE 9)
+  add_test(NAME checks_mutations_${part}
+           COMMAND test_checks_self_test --color_output=no
+                   --run_test=the_self_test/refuses_wrong_kernels_before_the_first_result
+           CONFIGURATIONS nightly)
+  set_tests_properties(checks_mutations_${part} PROPERTIES ENVIRONMENT CLSDF_MUTATIONS=${part}/10 LABELS "checks;nightly" TIMEOUT 3600)
+endforeach()
