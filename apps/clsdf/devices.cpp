@@ -7,6 +7,7 @@
 #include "second_compiler.hpp"
 
 #include "core/stopwatch.hpp"
+#include "core/tuning_variables.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/picture.hpp>
@@ -317,9 +318,9 @@ struct Devices {
 std::string reason_of_choice(const Devices& devices) {
     const std::string choice = device_variable();
     if (!choice.empty()) return fmt::format("CLSDF_DEVICE={} asks for it", choice);
-    if (std::count_if(devices.all.begin(), devices.all.end(), [](const DeviceInfo& info) { return info.usable(); }) ==
-        1)
-        return "no other one is usable";
+    if (std::ranges::count_if(devices.all, &DeviceInfo::usable) == 1) return "no other one is usable";
+    if (std::ranges::count_if(devices.all, &DeviceInfo::may_be_taken) == 1)
+        return "no other one is used unless it is named";
     return devices.taken->kind == DeviceKind::gpu
                ? "it is the strongest GPU that works: memory of its own first, then lanes times clock"
                : "no GPU works here, and it is the strongest of the others";
@@ -349,7 +350,8 @@ Json describe(const DeviceInfo& info) {
             {"source", name_of(info.source)},
             {"driver_file", not_empty(info.driver_file)},
             {"usable", info.usable()},
-            {"why_not", not_empty(info.why_not)}};
+            {"why_not", not_empty(info.why_not)},
+            {"only_if_named", not_empty(info.only_if_named)}};
 }
 
 Json describe(const Devices& devices) {
@@ -374,6 +376,11 @@ std::string how_found(const DeviceInfo& info) {
     return "by OpenCL's loader";
 }
 
+std::string text_of_use(const DeviceInfo& info) {
+    if (!info.usable()) return "no: " + info.why_not;
+    return info.may_be_taken() ? "yes" : "only if it is named: " + info.only_if_named;
+}
+
 void print_human(const DeviceInfo& info) {
     const auto yes_or_no = [](bool yes) { return yes ? "yes" : "no"; };
     print_text("{}  {}\n", info.index, info.name);
@@ -388,7 +395,7 @@ void print_human(const DeviceInfo& info) {
         print_text("   fp64      {}; 64-bit atomics {}\n", yes_or_no(info.fp64), yes_or_no(info.atomics64));
     }
     print_text("   found     {}\n", how_found(info));
-    print_text("   usable    {}\n", info.usable() ? "yes" : "no: " + info.why_not);
+    print_text("   usable    {}\n", text_of_use(info));
 }
 
 struct DevicesOptions {
@@ -397,27 +404,29 @@ struct DevicesOptions {
     bool again = false;
 };
 
-/// The devices to prepare: the named one, else all usable ones.
+/// The devices to prepare: the named one, else all that may be taken.
 std::vector<DeviceInfo> chosen(const std::string& name) {
     std::vector<DeviceInfo> infos = clsdf::Device::all();
     std::optional<clsdf::Device> named;
-    // Without a usable device this says what to install.
-    if (!name.empty() || std::none_of(infos.begin(), infos.end(), [](const DeviceInfo& info) { return info.usable(); }))
-        named = open_device(name);
-    infos.erase(std::remove_if(infos.begin(), infos.end(),
-                               [&](const DeviceInfo& info) { return named ? info.id != named->id() : !info.usable(); }),
-                infos.end());
+    // Without a device this says what to install.
+    if (!name.empty() || std::ranges::none_of(infos, &DeviceInfo::may_be_taken)) named = open_device(name);
+    std::erase_if(infos, [&](const DeviceInfo& info) { return named ? info.id != named->id() : !info.may_be_taken(); });
     return infos;
 }
 
-/// A GPU that WSL2 shows to Linux, by a file that is no driver of OpenCL.
+/// A GPU that Windows shows to WSL2: its file tells neither the maker nor whether there is a driver of OpenCL.
 void tell_of_wsl(const std::vector<DeviceInfo>& devices) {
+    const bool has_gpu = std::ranges::any_of(
+        devices, [](const DeviceInfo& info) { return info.kind == DeviceKind::gpu && info.usable(); });
+    const char* const named = clsdf::tuning_variable("CLSDF_DEVICE_FILES");
+    const std::filesystem::path gpu = std::filesystem::path(named != nullptr ? named : "/dev") / "dxg";
     std::error_code error;
-    const bool has_gpu = std::any_of(devices.begin(), devices.end(), [](const DeviceInfo& info) {
-        return info.kind == DeviceKind::gpu && info.usable();
-    });
-    if (!has_gpu && std::filesystem::exists("/dev/dxg", error))
-        print_text("This is WSL2: no maker of GPUs has an OpenCL driver for it, so processors compute.\n");
+    if (!has_gpu && std::filesystem::exists(gpu, error))
+        print_text(
+            "This is WSL2, by {}: a GPU of Intel computes if its driver is installed (Debian: intel-opencl-icd) and "
+            "the "
+            "GPU has double precision; NVIDIA and AMD have no OpenCL driver for WSL2, and processors compute.\n",
+            gpu.string());
 }
 
 ExitStatus run(const DevicesOptions& options, Report& report) {

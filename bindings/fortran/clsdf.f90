@@ -362,6 +362,7 @@ module clsdf
     integer(c_int32_t) :: source = CLSDF_REGISTERED  !< how it was found
     character(:), allocatable :: driver_file  !< the driver's if this library opened it; of CLSDF_DEVICE_FILE, the file
     !                                            in /dev; else ""
+    character(:), allocatable :: only_if_named  !< why it is taken only if it is named, though it can be used; else ""
   end type
 
   type :: clsdf_device
@@ -868,7 +869,7 @@ module clsdf
         driver = c_null_ptr, why_not = c_null_ptr
     integer(c_int64_t) :: compute_units = 0, clock_megahertz = 0, memory = 0, largest_allocation = 0, float_width = 0
     integer(c_int32_t) :: kind = 0, fp64 = 0, atomics64 = 0, source = 0
-    type(c_ptr) :: driver_file = c_null_ptr
+    type(c_ptr) :: driver_file = c_null_ptr, only_if_named = c_null_ptr
   end type
   type, bind(C) :: c_device_limits
     integer(c_size_t) :: struct_size = 0
@@ -3619,6 +3620,7 @@ contains
     info%atomics64 = c%atomics64 == 1
     info%source = c%source
     info%driver_file = clsdf_text(c%driver_file)
+    info%only_if_named = clsdf_text(c%only_if_named)
   end subroutine
 
   !> device%select() with the environment variable CLSDF_DEVICE if it is set and not empty, else the strongest.

@@ -13,6 +13,7 @@
 ///   CLSDF_DISGUISE=gpu            as Settings::gpu
 ///   CLSDF_DISGUISE=pocl-3.0       as Settings::pocl_3_0
 ///   CLSDF_DISGUISE_PLATFORMS=0    as Settings::without_platforms
+///   CLSDF_DISGUISE_INTEL=NAME     the first device is a GPU of Intel with this name, in Settings::devices
 ///   CLSDF_DISGUISE_UNITS=NUMBER   as Settings::compute_units
 ///   CLSDF_DISGUISE_EXTERNAL=memory, memory+semaphores or memory+unshared-semaphores   as Settings::external_memory,
 ///                                 external_semaphores and unshared_semaphores
@@ -21,7 +22,8 @@
 ///   CLSDF_DISGUISE_CODE=CODE      as Fault::code
 namespace clsdf::disguise {
 
-/// Answers in place of a driver's own, by the number of the question, e.g. CL_DEVICE_NAME.
+/// Answers in place of a driver's own, by the number of the question, e.g. CL_DEVICE_NAME. The number of a question
+/// that the driver does not know is a cl_uint.
 struct Answers {
     std::map<unsigned, std::string> texts{};
     std::map<unsigned, std::uint64_t> numbers{};

@@ -32,6 +32,18 @@ public:
     Drivers& operator=(const Drivers&) = delete;
 };
 
+/// A variable of the environment for as long as this lives.
+class Variable {
+public:
+    Variable(const char* name, const char* value) : name_(name) { ::setenv(name, value, 1); }
+    ~Variable() { ::unsetenv(name_); }
+    Variable(const Variable&) = delete;
+    Variable& operator=(const Variable&) = delete;
+
+private:
+    const char* name_;
+};
+
 constexpr unsigned intel = 0x8086, nvidia = 0x10DE;
 
 Answers gpu(const std::string& name, unsigned vendor, unsigned units, unsigned megahertz, bool has_own_memory) {
@@ -41,6 +53,49 @@ Answers gpu(const std::string& name, unsigned vendor, unsigned units, unsigned m
              {CL_DEVICE_MAX_COMPUTE_UNITS, units},
              {CL_DEVICE_MAX_CLOCK_FREQUENCY, megahertz},
              {CL_DEVICE_HOST_UNIFIED_MEMORY, has_own_memory ? CL_FALSE : CL_TRUE}}};
+}
+
+/// A GPU of Intel's driver from 2021 on, which has double precision or says so.
+Answers gpu_of_intel(unsigned pci_number) {
+    constexpr unsigned pci_number_of_intel = 0x4251;  // CL_DEVICE_ID_INTEL
+    Answers answers = gpu("Intel(R) Graphics", intel, 512, 2400, true);
+    answers.texts[CL_DEVICE_EXTENSIONS] = "cl_khr_fp64 cl_intel_device_attribute_query";
+    answers.numbers[pci_number_of_intel] = pci_number;
+    return answers;
+}
+
+const Answers processor{{{CL_DEVICE_NAME, "Intel(R) Xeon(R) Processor"}}, {{CL_DEVICE_VENDOR_ID, intel}}};
+
+/// The GPU is listed with the reason, never taken by itself, and used if it is named.
+void check_used_only_if_named(const Answers& gpu, const std::vector<std::string>& reason) {
+    const std::string name = gpu.texts.at(CL_DEVICE_NAME);
+    {
+        const Drivers drivers({.devices = {gpu, processor}});
+        const std::vector<DeviceInfo> listed = Device::all();
+        BOOST_TEST_REQUIRE(listed.size() == 2U);
+        BOOST_TEST((listed[0].usable() && listed[0].fp64 && !listed[0].may_be_taken()));
+        for (const std::string& part : reason)
+            BOOST_TEST(listed[0].only_if_named.find(part) != std::string::npos, listed[0].only_if_named);
+        BOOST_TEST((listed[1].may_be_taken() && listed[1].only_if_named.empty()));
+        for (const Device& taken : {Device::strongest(), Device::automatic(), Device::of_rank(0, 1)})
+            BOOST_TEST(taken.id() == listed[1].id);
+        const Device named = Device::select(name);
+        BOOST_TEST(named.id() == listed[0].id);
+        BOOST_TEST(named.info().only_if_named == listed[0].only_if_named);
+        BOOST_TEST(Device::select(0).id() == named.id());
+        BOOST_TEST(Device::from_handles(named.context(), named.id(), named.queue()).id() == named.id());
+    }
+    const Drivers drivers({.devices = {gpu, gpu}});
+    std::vector<std::string> fragments{name, "used only if it is named", "install an OpenCL driver"};
+    fragments.insert(fragments.end(), reason.begin(), reason.end());
+    check_throws(ErrorCode::no_device, fragments, [] { Device::strongest(); });
+}
+
+void check_taken(const Answers& gpu) {
+    const Drivers drivers({.devices = {processor, gpu}});
+    BOOST_TEST_REQUIRE(Device::all().size() == 2U);
+    BOOST_TEST(Device::all()[1].only_if_named == "");
+    BOOST_TEST(Device::strongest().id() == Device::all()[1].id);
 }
 
 /// Device::strongest() of two devices, in either order.
@@ -108,6 +163,46 @@ BOOST_AUTO_TEST_CASE(a_device_without_double_precision_is_refused_with_the_reaso
     device.texts[CL_DEVICE_EXTENSIONS] = "cl_khr_byte_addressable_store cl_khr_fp64";
     const Drivers drivers({.devices = {device, device}});
     for (const DeviceInfo& info : Device::all()) BOOST_TEST((info.fp64 && info.usable()));
+}
+
+BOOST_AUTO_TEST_CASE(a_gpu_of_intel_that_emulates_doubles_is_used_only_if_it_is_named) {
+    const std::vector<std::string> reason{"Intel's driver emulates its double precision", "take another device"};
+    // Ice Lake, Elkhart Lake, Tiger Lake, DG1, Rocket Lake, Alder Lake, Raptor Lake, Arc A770, Flex 170.
+    for (const unsigned number : {0x8A52U, 0x4571U, 0x9A49U, 0x4905U, 0x4C8AU, 0x46A6U, 0xA7A0U, 0x56A0U, 0x56C0U})
+        BOOST_TEST_CONTEXT("PCI number " << number) {
+            check_used_only_if_named(gpu_of_intel(number), reason);
+        }
+    // Older drivers tell the number in the name.
+    check_used_only_if_named(gpu("Intel(R) UHD Graphics 770 [0x4680]", intel, 32, 1550, false), reason);
+    // It need not say that it emulates.
+    const Variable unset("OverrideDefaultFP64Settings", "0");
+    check_used_only_if_named(gpu_of_intel(0x56A0), reason);
+}
+
+BOOST_AUTO_TEST_CASE(a_gpu_of_intel_with_doubles_is_taken_whatever_is_set) {
+    const Variable emulates("OverrideDefaultFP64Settings", "1");
+    // Broadwell, Skylake, Coffee Lake, Gemini Lake, Max 1550, Meteor Lake, Arrow Lake, Lunar Lake, B580, Panther Lake.
+    for (const unsigned number :
+         {0x1616U, 0x1912U, 0x3E92U, 0x3185U, 0x0BD5U, 0x7D55U, 0x7D67U, 0x64A0U, 0xE20BU, 0xB080U})
+        BOOST_TEST_CONTEXT("PCI number " << number) {
+            check_taken(gpu_of_intel(number));
+        }
+    // Other makers' doubles are their own.
+    check_taken(gpu("NVIDIA T1000", nvidia, 14, 1395, true));
+}
+
+BOOST_AUTO_TEST_CASE(a_gpu_of_intel_of_unknown_generation_is_taken_unless_the_environment_asks_for_emulation) {
+    const Answers unknown = gpu_of_intel(0xFFFF), nameless = gpu("Intel(R) Graphics", intel, 32, 1550, false);
+    for (const char* variable : {"OverrideDefaultFP64Settings", "IGC_EnableDPEmulation", "NEO_FP64_EMULATION"}) {
+        const Variable emulates(variable, "1");
+        for (const Answers& answers : {unknown, nameless})
+            check_used_only_if_named(answers, {variable, "it is not known whether", "unset the variable"});
+    }
+    for (const Answers& answers : {unknown, nameless}) {
+        check_taken(answers);
+        const Variable off("IGC_EnableDPEmulation", "0");
+        check_taken(answers);
+    }
 }
 
 BOOST_AUTO_TEST_CASE(a_platform_without_devices_is_named_with_a_remedy) {

@@ -39,6 +39,12 @@ Fault fault_of_environment() {
     return fault;
 }
 
+/// A GPU of Intel, as far as it tells its maker.
+Answers gpu_of_intel(const std::string& name) {
+    constexpr unsigned intel = 0x8086;
+    return {{{CL_DEVICE_NAME, name}}, {{CL_DEVICE_TYPE, CL_DEVICE_TYPE_GPU}, {CL_DEVICE_VENDOR_ID, intel}}};
+}
+
 Record* record_of_environment() {
     auto* const record = new Record;
     record->settings.gpu = variable("CLSDF_DISGUISE") == "gpu";
@@ -46,6 +52,8 @@ Record* record_of_environment() {
     record->settings.without_platforms = variable("CLSDF_DISGUISE_PLATFORMS") == "0";
     record->settings.compute_units =
         static_cast<unsigned>(std::strtoul(variable("CLSDF_DISGUISE_UNITS").c_str(), nullptr, 10));
+    if (const std::string name = variable("CLSDF_DISGUISE_INTEL"); !name.empty())
+        record->settings.devices = {gpu_of_intel(name)};
     const std::string external = variable("CLSDF_DISGUISE_EXTERNAL");
     record->settings.external_memory = !external.empty();
     record->settings.unshared_semaphores = external == "memory+unshared-semaphores";

@@ -248,6 +248,55 @@ BOOST_AUTO_TEST_CASE(is_told_once_if_it_is_missing_and_no_device_is_named) {
 
 BOOST_AUTO_TEST_SUITE_END()
 
+BOOST_AUTO_TEST_SUITE(the_list_of_devices, *boost::unit_test::precondition(pocl_alone))
+
+BOOST_AUTO_TEST_CASE(tells_of_the_drivers_for_wsl2_if_a_gpu_is_there_and_none_can_be_used) {
+    const Machine machine({"dxg"});
+    const std::string hint =
+        "This is WSL2, by " + (machine.devices() / "dxg").string() + ": a GPU of Intel computes if";
+    const Outcome listed = run_command({"devices"}, machine.environment());
+    BOOST_TEST(listed.status == 0);
+    for (const std::string& part :
+         {hint, std::string("intel-opencl-icd"), std::string("NVIDIA and AMD have no OpenCL")})
+        BOOST_TEST(count(listed.error, part) == 1U, "no '" << part << "' in " << listed.error);
+    // Not if a GPU can be used, or if Windows shows none.
+    const Outcome with_gpu = run_command({"devices"}, machine.environment({preload, "CLSDF_DISGUISE=gpu"}));
+    BOOST_TEST(count(with_gpu.error, "WSL2") == 0U, with_gpu.error);
+    const Machine other({"kfd"});
+    BOOST_TEST(count(run_command({"devices"}, other.environment()).error, "WSL2") == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(says_that_a_gpu_that_emulates_doubles_is_used_only_if_it_is_named) {
+    const Machine machine({});
+    const std::string name = "Intel(R) Arc(TM) A770 Graphics [0x56a0]";
+    const std::vector<std::string> emulated{preload, "CLSDF_DISGUISE_INTEL=" + name, "POCL_DEVICES=pthread basic"};
+    const Outcome listed = run_command({"devices", "--json"}, machine.environment(emulated));
+    BOOST_TEST(listed.status == 0);
+    const std::string reason = "Intel's driver emulates its double precision";
+    for (const std::string& part : {name, "usable    only if it is named: " + reason,
+                                    std::string("Taken is device 1: no other one is used unless it is named.")})
+        BOOST_TEST(count(listed.error, part) == 1U, "no '" << part << "' in " << listed.error);
+    const json found = json::parse(listed.out);
+    BOOST_TEST_REQUIRE(found["devices"].size() == 2U);
+    BOOST_TEST(found["devices"][0]["usable"] == true);
+    BOOST_TEST(found["devices"][0]["why_not"].is_null());
+    BOOST_TEST(count(found["devices"][0]["only_if_named"], reason) == 1U);
+    BOOST_TEST(found["devices"][1]["only_if_named"].is_null());
+    for (const char* choice : {"0", "a770"}) {
+        std::vector<std::string> named = emulated;
+        named.push_back(std::string("CLSDF_DEVICE=") + choice);
+        BOOST_TEST(machine.list(named)["taken"]["index"] == 0);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(looks_for_another_gpu_if_one_emulates_doubles) {
+    const Machine machine({"nvidia0"});
+    const std::vector<std::string> emulated{preload, "CLSDF_DISGUISE_INTEL=Intel(R) UHD Graphics 770 [0x4680]"};
+    BOOST_TEST(with_source(machine.list(emulated), "device_file").size() == 1U);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
 BOOST_AUTO_TEST_CASE(libraries_of_the_system_are_found_where_its_loader_finds_them) {
     void* const loader = ::dlopen("libOpenCL.so.1", RTLD_NOW | RTLD_LOCAL);
     BOOST_REQUIRE(loader != nullptr);

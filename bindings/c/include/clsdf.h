@@ -469,9 +469,13 @@ typedef struct clsdf_device_info {
     int32_t atomics64;          /* 1: atomic operations on 64 bits, which it does not need */
     int32_t source;             /* CLSDF_REGISTERED ..., how it was found: always known */
     const char* driver_file;    /* if this library opened it; of CLSDF_DEVICE_FILE, the file in /dev; else "" */
+    const char* only_if_named;  /* why it is taken only if it is named, though it can be used; else "" */
 } clsdf_device_info;
-#define CLSDF_DEVICE_INFO_INIT \
-    { CLSDF_RESULT_SIZE(clsdf_device_info), 0, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, NULL }
+#define CLSDF_DEVICE_INFO_INIT                                                                                        \
+    {                                                                                                                 \
+        CLSDF_RESULT_SIZE(clsdf_device_info), 0, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, NULL, \
+            NULL                                                                                                      \
+    }
 
 /* Limits of clsdf_device_limited(). */
 typedef struct clsdf_device_limits {
@@ -488,17 +492,18 @@ CLSDF_API clsdf_status clsdf_devices_list(clsdf_devices** devices);
 CLSDF_API int64_t clsdf_devices_count(const clsdf_devices* devices);
 CLSDF_API clsdf_status clsdf_devices_describe(const clsdf_devices* devices, int64_t index, clsdf_device_info* info);
 
-/* The strongest GPU, else the strongest other device. CLSDF_NO_DEVICE says why each cannot be used, and the remedy. */
+/* The strongest GPU, else the strongest other device; none with a text in only_if_named. CLSDF_NO_DEVICE says why each
+ * is not taken, and the remedy. */
 CLSDF_API clsdf_status clsdf_device_strongest(clsdf_device** device);
 /* A whole number is an index in the list. Any other text is a part of the name, or of the platform's name, of exactly
  * one usable device. */
 CLSDF_API clsdf_status clsdf_device_select(const char* index_or_part, clsdf_device** device);
 /* clsdf_device_select() with the environment variable CLSDF_DEVICE if it is set and not empty, else the strongest. */
 CLSDF_API clsdf_status clsdf_device_automatic(clsdf_device** device);
-/* The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. Usable GPUs are
- * dealt out in turn. If there is none, or if CLSDF_DEVICE names a device, it is that of clsdf_device_automatic(), of a
- * processor an equal part of the compute units, at least one. CLSDF_UNSUPPORTED names the driver's variable if a
- * processor cannot be divided. clsdf_limit_threads() limits the host's loops. */
+/* The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. GPUs that may be
+ * taken are dealt out in turn. If there is none, or if CLSDF_DEVICE names a device, it is that of
+ * clsdf_device_automatic(), of a processor an equal part of the compute units, at least one. CLSDF_UNSUPPORTED names
+ * the driver's variable if a processor cannot be divided. clsdf_limit_threads() limits the host's loops. */
 CLSDF_API clsdf_status clsdf_device_of_rank(int64_t rank, int64_t ranks, clsdf_device** device);
 /* Retains the caller's cl_context, cl_device_id and cl_command_queue. */
 CLSDF_API clsdf_status clsdf_device_from_handles(void* context, void* id, void* queue, clsdf_device** device);

@@ -42,6 +42,7 @@ clsdf_device_info as_c(const DeviceInfo& info) {
     result.atomics64 = info.atomics64 ? 1 : 0;
     result.source = static_cast<std::int32_t>(info.source);
     result.driver_file = info.driver_file.c_str();
+    result.only_if_named = info.only_if_named.c_str();
     return result;
 }
 

@@ -28,6 +28,7 @@ static void check_devices(void) {
           clsdf_devices_describe(list, clsdf_devices_count(list), &listed));
     OK(clsdf_device_describe(device, &info));
     CHECK(info.name[0] != 0 && info.why_not[0] == 0 && info.fp64 == 1 && info.memory > 0 && info.index >= 0);
+    CHECK(info.only_if_named[0] == 0);
     /* The driver's file is told if clsdf has opened it. */
     CHECK(info.source != CLSDF_DEVICE_FILE && (info.source == CLSDF_REGISTERED) == (info.driver_file[0] == 0));
     OK(clsdf_devices_describe(list, info.index, &listed));

@@ -81,6 +81,7 @@ int main(void) {
     MEMBER(clsdf_device_info, atomics64);
     MEMBER(clsdf_device_info, source);
     MEMBER(clsdf_device_info, driver_file);
+    MEMBER(clsdf_device_info, only_if_named);
     SIZE(clsdf_device_limits);
     MEMBER(clsdf_device_limits, struct_size);
     MEMBER(clsdf_device_limits, compute_units);

@@ -191,7 +191,8 @@ contains
     call check(size(list) > 0 .and. list(1)%index == 0, 'devices')
     call device%automatic()
     call device%describe(info)
-    call check(len(info%name) > 0 .and. info%fp64 .and. info%why_not == '' .and. info%memory > 0, 'a device')
+    call check(len(info%name) > 0 .and. info%fp64 .and. info%why_not == '' .and. info%only_if_named == '' .and. info%memory > 0, &
+        'a device')
     call check((info%source == CLSDF_REGISTERED) .eqv. (info%driver_file == ''), 'how it was found')
     call check(list(info%index + 1)%name == info%name, 'is in the list')
     write (number, '(i0)') info%index

@@ -118,25 +118,28 @@ void add_infos(nb::module_& module) {
                 "The driver's if clsdf opened it; of 'device_file', the file in /dev; else empty.")
         .def_prop_ro("usable", &DeviceInfo::usable)
         .def_ro("why_not", &DeviceInfo::why_not, "Why clsdf cannot use it; empty if it can.")
+        .def_ro("only_if_named", &DeviceInfo::only_if_named,
+                "Why clsdf takes it only if it is named, though it can be used; else empty.")
         .def("__getstate__",
              [](const DeviceInfo& info) {
                  return std::tuple(info.index, info.name, info.platform, info.version, info.driver,
                                    static_cast<std::int32_t>(info.kind), info.compute_units, info.memory,
                                    info.largest_allocation, static_cast<std::int32_t>(info.source), info.driver_file,
-                                   info.why_not);
+                                   info.why_not, info.only_if_named);
              })
-        .def("__setstate__",
-             [](DeviceInfo& info,
-                const std::tuple<std::size_t, std::string, std::string, std::string, std::string, std::int32_t,
-                                 unsigned, std::size_t, std::size_t, std::int32_t, std::string, std::string>& state) {
-                 DeviceInfo* const made = new (&info) DeviceInfo;
-                 std::int32_t kind = 0, source = 0;
-                 std::tie(made->index, made->name, made->platform, made->version, made->driver, kind,
-                          made->compute_units, made->memory, made->largest_allocation, source, made->driver_file,
-                          made->why_not) = state;
-                 made->kind = static_cast<DeviceKind>(kind);
-                 made->source = static_cast<DeviceSource>(source);
-             })
+        .def(
+            "__setstate__",
+            [](DeviceInfo& info,
+               const std::tuple<std::size_t, std::string, std::string, std::string, std::string, std::int32_t, unsigned,
+                                std::size_t, std::size_t, std::int32_t, std::string, std::string, std::string>& state) {
+                DeviceInfo* const made = new (&info) DeviceInfo;
+                std::int32_t kind = 0, source = 0;
+                std::tie(made->index, made->name, made->platform, made->version, made->driver, kind,
+                         made->compute_units, made->memory, made->largest_allocation, source, made->driver_file,
+                         made->why_not, made->only_if_named) = state;
+                made->kind = static_cast<DeviceKind>(kind);
+                made->source = static_cast<DeviceSource>(source);
+            })
         .def("__repr__",
              [](const DeviceInfo& info) { return "<clsdf.DeviceInfo " + info.name + ", " + info.platform + ">"; });
 }

@@ -56,9 +56,10 @@ std::string binary_of(const cl::Program& program) {
 
 std::string compiler_environment() {
     std::string values;
-    for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION",
-                             "POCL_PREGION_VALUE_REMAT", "POCL_FORCE_PARALLEL_OUTER_LOOP", "AMD_OCL_BUILD_OPTIONS",
-                             "AMD_OCL_BUILD_OPTIONS_APPEND", "IGC_EnableDPEmulation", "OverrideDefaultFP64Settings"})
+    for (const char* name :
+         {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION", "POCL_PREGION_VALUE_REMAT",
+          "POCL_FORCE_PARALLEL_OUTER_LOOP", "AMD_OCL_BUILD_OPTIONS", "AMD_OCL_BUILD_OPTIONS_APPEND",
+          "IGC_EnableDPEmulation", "OverrideDefaultFP64Settings", "NEO_FP64_EMULATION"})
         if (const char* value = std::getenv(name)) values += fmt::format("{}={}\n", name, value);
     return values;
 }

@@ -61,10 +61,15 @@ struct DeviceInfo {
     bool atomics64 = false;              ///< atomic operations on 64 bits, which it does not need
     unsigned float_width = 0;            ///< floats in a native vector; 1 on most GPUs
     std::string why_not;                 ///< why this library cannot use it; empty if it can
+    /// Why this library takes it only if it is named (Device::select); empty if it may take it by itself, and if it
+    /// cannot use it. So of a GPU whose driver emulates double precision: docs/devices.md.
+    std::string only_if_named;
     DeviceSource source = DeviceSource::registered;
     std::string driver_file;  ///< the driver's if this library opened it; of device_file, the file in /dev; else empty
 
     bool usable() const { return why_not.empty(); }
+    /// Whether strongest(), automatic() and of_rank() may take it.
+    bool may_be_taken() const { return usable() && only_if_named.empty(); }
 };
 
 /// Limits for Device::limited().
@@ -91,9 +96,9 @@ public:
     /// drivers that are not registered, also those that cannot be used. Empty if there is none. Throws
     /// Error(device_failure) if the platforms cannot be listed.
     ///
-    /// If the loader shows no GPU that can be used, and /dev has one (nvidia<N>, kfd, dri/renderD<N>), the driver of
+    /// If the loader shows no GPU that may be taken, and /dev has one (nvidia<N>, kfd, dri/renderD<N>), the driver of
     /// its maker is opened from the path of the system's loader: docs/devices.md. Not if OCL_ICD_VENDORS is set. If
-    /// there is still no GPU that can be used, /dev/nvidia<N> and /dev/kfd have an entry each that says why.
+    /// there is still no GPU that may be taken, /dev/nvidia<N> and /dev/kfd have an entry each that says why.
     static std::vector<DeviceInfo> all();
     /// The entries of all() whose source is DeviceSource::device_file, without their index: GPUs that this machine has
     /// and that cannot be used. The bundled driver is not opened; without such a file in /dev no driver is asked.
@@ -101,7 +106,8 @@ public:
     static std::vector<DeviceInfo> unused_gpus();
 
     /// The strongest GPU, also of a driver that is not registered, else the strongest other device, else that of the
-    /// bundled driver. Throws Error(no_device) that says why each device cannot be used, and the remedy.
+    /// bundled driver; none that is used only if it is named. Throws Error(no_device) that says why each device is not
+    /// taken, and the remedy.
     static Device strongest();
 
     /// A whole number is an index in all(). Any other text is a part of the name or of the platform's name of exactly
@@ -117,9 +123,9 @@ public:
     /// names the variable.
     static Device automatic();
 
-    /// The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. Usable GPUs are
-    /// dealt out in turn. If there is none, or if CLSDF_DEVICE names a device, it is that of automatic(), of a
-    /// processor an equal part of the compute units, at least one. The library's loops on the host are oneTBB's:
+    /// The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. GPUs that may be
+    /// taken are dealt out in turn. If there is none, or if CLSDF_DEVICE names a device, it is that of automatic(), of
+    /// a processor an equal part of the compute units, at least one. The library's loops on the host are oneTBB's:
     /// tbb::global_control limits their threads. Throws Error(invalid_argument) for a rank out of range,
     /// Error(unsupported) that names the driver's variable if a processor cannot be divided, and what automatic()
     /// throws.

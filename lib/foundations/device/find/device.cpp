@@ -202,15 +202,13 @@ struct Strength {
 /// Throws cl::Error.
 Strength strength_of(const DeviceInfo& info) {
     // A compute unit of Intel's GPUs is an execution unit with eight lanes, of others a multiprocessor.
-    constexpr cl_uint intel = 0x8086;
     constexpr unsigned lanes_of_intel = 8, lanes_of_others = 64;
     const cl::Device device(info.id, true);
     const double units = 1.0 * info.compute_units * std::max(info.clock_megahertz, 1U);  // some report no clock
     switch (info.kind) {
         case DeviceKind::gpu: {
             const bool has_own_memory = device.getInfo<CL_DEVICE_HOST_UNIFIED_MEMORY>() == CL_FALSE;
-            const bool is_intel = device.getInfo<CL_DEVICE_VENDOR_ID>() == intel;
-            return {has_own_memory ? 3 : 2, units * (is_intel ? lanes_of_intel : lanes_of_others)};
+            return {has_own_memory ? 3 : 2, units * (device::is_of_intel(device) ? lanes_of_intel : lanes_of_others)};
         }
         case DeviceKind::processor:
             return {1, units};
@@ -219,9 +217,9 @@ Strength strength_of(const DeviceInfo& info) {
     }
 }
 
-/// Usable devices, the strongest first. Throws cl::Error.
+/// Devices that may be taken, the strongest first. Throws cl::Error.
 std::vector<DeviceInfo> candidates(std::vector<DeviceInfo> infos) {
-    std::erase_if(infos, [](const DeviceInfo& info) { return !info.usable(); });
+    std::erase_if(infos, [](const DeviceInfo& info) { return !info.may_be_taken(); });
     std::ranges::stable_sort(infos, std::greater<>(), strength_of);
     return infos;
 }
@@ -273,7 +271,9 @@ Device Device::strongest() {
         for (const device::FoundDevice& found : device::guarded(find)) {
             const DeviceInfo& info = infos.emplace_back(found.info);
             if (!info.usable()) failures += fmt::format("; \"{}\" cannot be used: {}", info.name, info.why_not);
-            lacks_features |= found.obstacle == device::Obstacle::missing_feature;
+            if (!info.only_if_named.empty())
+                failures += fmt::format("; \"{}\" is used only if it is named: {}", info.name, info.only_if_named);
+            lacks_features |= found.obstacle == device::Obstacle::missing_feature || !info.only_if_named.empty();
             fails |= found.obstacle == device::Obstacle::failing_call;
         }
         count += infos.size();
@@ -334,7 +334,8 @@ Device Device::of_rank(std::size_t rank, std::size_t ranks) {
                     fmt::format("rank is {} of {} ranks; ranks count from 0 to one less than there are", rank, ranks));
     if (users_choice().empty()) {
         std::vector<DeviceInfo> gpus = all();
-        std::erase_if(gpus, [](const DeviceInfo& info) { return !info.usable() || info.kind != DeviceKind::gpu; });
+        std::erase_if(gpus,
+                      [](const DeviceInfo& info) { return !info.may_be_taken() || info.kind != DeviceKind::gpu; });
         if (!gpus.empty()) return select(gpus[rank % gpus.size()].index);
     }
     Device device = automatic();

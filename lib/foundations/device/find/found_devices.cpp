@@ -105,6 +105,7 @@ void ask(const cl::Device& device, FoundDevice& found) {
                  known_fault(implementation, capabilities.is_processor ? KernelBody::by_vector : KernelBody::by_group))
         refuse(found, Obstacle::known_fault,
                fmt::format("{} {}; {}", text_of(implementation), fault->symptom, fault->remedy));
+    if (info.usable()) info.only_if_named = emulated_doubles(device);
 }
 
 FoundDevice found_device(const cl::Platform& platform, const cl::Device& device) {
@@ -129,9 +130,9 @@ void append_devices(const cl::Platform& platform, std::vector<FoundDevice>& all)
     }
 }
 
-bool has_usable_gpu(const std::vector<FoundDevice>& all) {
+bool has_gpu_to_take(const std::vector<FoundDevice>& all) {
     return std::ranges::any_of(
-        all, [](const FoundDevice& found) { return found.info.usable() && found.info.kind == DeviceKind::gpu; });
+        all, [](const FoundDevice& found) { return found.info.may_be_taken() && found.info.kind == DeviceKind::gpu; });
 }
 
 bool contains(const std::vector<cl::Platform>& platforms, const cl::Platform& platform) {
@@ -185,7 +186,7 @@ std::vector<FoundDevice> find_registered_devices() {
 
 std::vector<FoundDevice> find_unregistered_devices(const std::vector<FoundDevice>& registered) {
     std::vector<FoundDevice> found;
-    if (has_usable_gpu(registered)) return found;
+    if (has_gpu_to_take(registered)) return found;
     const std::vector<UnregisteredDriver> drivers = unregistered_drivers();
     if (drivers.empty()) return found;
     const std::vector<cl::Platform> listed = all_platforms();
@@ -196,7 +197,7 @@ std::vector<FoundDevice> find_unregistered_devices(const std::vector<FoundDevice
             append_devices(platform, found);
             set_source(found, first, DeviceSource::unregistered, driver.file.string());
         }
-    if (has_usable_gpu(found)) return found;
+    if (has_gpu_to_take(found)) return found;
     std::vector<FoundDevice> all = registered;
     all.insert(all.end(), found.begin(), found.end());
     for (const UnregisteredDriver& driver : drivers)

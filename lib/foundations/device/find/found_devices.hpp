@@ -26,8 +26,8 @@ struct FoundDevice {
 /// Every device of every platform, in the order of OpenCL's loader. A platform that does not list its devices has one
 /// entry without `id`. `index` is not set. Throws cl::Error if the platforms cannot be listed.
 std::vector<FoundDevice> find_registered_devices();
-/// Those of unregistered_drivers(), likewise, without platforms that the loader lists; none if a registered GPU can be
-/// used. If none of them can be used, either, a GPU's file in /dev has an entry without `id`. Throws cl::Error.
+/// Those of unregistered_drivers(), likewise, without platforms that the loader lists; none if a registered GPU may be
+/// taken. If none of them may be taken, either, a GPU's file in /dev has an entry without `id`. Throws cl::Error.
 std::vector<FoundDevice> find_unregistered_devices(const std::vector<FoundDevice>& registered);
 /// The device of the bundled driver, likewise. A driver that cannot be opened has one entry without `id`.
 std::vector<FoundDevice> find_bundled_devices();
