@@ -18,7 +18,7 @@ typedef struct CellSums {
 } CellSums;
 
 CUT_INLINE void add_piece(__private CellSums* sums, __private const CutPiece* piece, __private const double* spacing) {
-    CutPoint in_units;
+    CutVector in_units;
     for (int d = 0; d < 3; ++d) {
         const double a = piece->a.at[d], b = piece->b.at[d], c = piece->c.at[d];
         const double normal = piece->twice.at[d] / 2;
@@ -63,7 +63,7 @@ CUT_INLINE double told_part(double solid, __private const CutGrid* grid) {
 }
 CUT_INLINE double told_point(double from_middle, __private const CutGrid* grid, clsdf_int32 cell, int axis) {
     if (!grid->as_points) return from_middle;
-    return grid->origin[axis] + grid->spacing[axis] * (cell + (0.5 + from_middle));
+    return fma((double)cell, grid->spacing[axis], grid->origin[axis]) + grid->spacing[axis] * (0.5 + from_middle);
 }
 // The moments of both parts, from the middle, add up to 0.
 CUT_INLINE double told_centroid(double size, double moment, __private const CutGrid* grid, clsdf_int32 cell, int axis) {

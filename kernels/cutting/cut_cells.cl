@@ -36,23 +36,19 @@ __kernel void begin_cuts(__global CutCounts* counts) {
 
 // Vertices in cells of the lattice, so that a part has the bytes of the whole.
 __kernel void place_vertices(CutGrid grid, GivenTriples of_vertices, __global const uint* vertices,
-                             __global double* positions, __global CutCounts* counts, uint begin, uint end) {
+                             __global CutPoint* positions, __global CutCounts* counts, uint begin, uint end) {
     const uint vertex = begin + get_global_id(0);
     if (vertex >= end) return;
     bool is_near = true;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double position =
-            (coordinate(of_vertices, vertices, vertex, axis) - grid.origin[axis]) / grid.spacing[axis];
-        const double plane = rint(position);
-        const double placed = fabs(position - plane) <= grid.snap ? plane : position;
-        positions[3 * (size_t)vertex + axis] = placed;
-        is_near = is_near && fabs(placed) <= CLSDF_FARTHEST_VERTEX;
-    }
+    CutPoint position;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!place_coordinate(&grid, axis, coordinate(of_vertices, vertices, vertex, axis), &position)) is_near = false;
+    positions[vertex] = position;
     if (!is_near) atomic_min((volatile __global uint*)&counts->far_vertex, vertex);
 }
 
 // layers: how many a face has.
-__kernel void count_layers(CutGrid grid, __global const uint* triangles, __global const double* positions,
+__kernel void count_layers(CutGrid grid, __global const uint* triangles, __global const CutPoint* positions,
                            __global const CutCounts* counts, __global uint* layers, uint begin, uint end) {
     const uint number = begin + get_global_id(0);
     if (number >= end) return;
@@ -95,7 +91,7 @@ __kernel void limit_rows(__global const uint* starts, uint records_room, uint as
 // starts: of the layers of faces. If there are no keys, the records of each item are counted; else they are written
 // from record_starts on.
 CUT_INLINE uint records_of_item(__private const CutGrid* grid, __global const uint* triangles,
-                                __global const double* positions, uint faces, __global const uint* starts, uint item,
+                                __global const CutPoint* positions, uint faces, __global const uint* starts, uint item,
                                 __global uint* keys, __global uint* words) {
     RecordSink sink = {keys, words, owner_of(starts, faces, item), 0};
     CutFace face;
@@ -108,9 +104,9 @@ CUT_INLINE uint records_of_item(__private const CutGrid* grid, __global const ui
     return sink.count;
 }
 
-__kernel void count_records(CutGrid grid, __global const uint* triangles, __global const double* positions, uint faces,
-                            __global const uint* starts, __global const CutCounts* counts, __global uint* records,
-                            uint begin, uint end) {
+__kernel void count_records(CutGrid grid, __global const uint* triangles, __global const CutPoint* positions,
+                            uint faces, __global const uint* starts, __global const CutCounts* counts,
+                            __global uint* records, uint begin, uint end) {
     const uint item = begin + get_global_id(0);
     if (item >= end) return;
     records[item] =
@@ -118,8 +114,8 @@ __kernel void count_records(CutGrid grid, __global const uint* triangles, __glob
 }
 
 // sorted_keys: a second copy, for take_sorted().
-__kernel void write_records(CutGrid grid, __global const uint* triangles, __global const double* positions, uint faces,
-                            __global const uint* starts, __global const CutCounts* counts,
+__kernel void write_records(CutGrid grid, __global const uint* triangles, __global const CutPoint* positions,
+                            uint faces, __global const uint* starts, __global const CutCounts* counts,
                             __global const uint* record_starts, __global uint* keys, __global uint* words, uint begin,
                             uint end) {
     const uint item = begin + get_global_id(0);
@@ -189,7 +185,7 @@ CUT_INLINE void join_sets(volatile __global uint* set_of, uint a, uint b) {
 
 // Joins the faces of a cell over edges that have a part in it. next_of_edge: for each corner of a triangle, at which an
 // edge begins, the next corner of the edge's triangles, in a ring.
-__kernel void join_faces(CutGrid grid, __global const uint* triangles, __global const double* positions,
+__kernel void join_faces(CutGrid grid, __global const uint* triangles, __global const CutPoint* positions,
                          __global const uint* next_of_edge, __global const CutCounts* counts,
                          __global const uint* sorted_words, __global const uint* row_starts,
                          __global const uint* row_firsts, __global const uint* sorted_keys,
@@ -199,9 +195,9 @@ __kernel void join_faces(CutGrid grid, __global const uint* triangles, __global 
     const uint row = row_starts[i + 1] - 1, first = row_firsts[row], behind = row_firsts[row + 1];
     if (behind - first < 2) return;
     const uint key = sorted_keys[i], face = sorted_words[i] / 2;
-    const CutPoint low = {{(double)(grid.first[0] + key % grid.counts[0]),
-                           (double)(grid.first[1] + key / grid.counts[0] % grid.counts[1]),
-                           (double)(grid.first[2] + key / grid.counts[0] / grid.counts[1])}};
+    const CutVector low = {{(double)(grid.first[0] + key % grid.counts[0]),
+                            (double)(grid.first[1] + key / grid.counts[0] % grid.counts[1]),
+                            (double)(grid.first[2] + key / grid.counts[0] / grid.counts[1])}};
     for (uint corner = 0; corner < 3; ++corner) {
         const uint edge = 3 * face + corner;
         const uint p = triangles[edge], q = triangles[3 * face + (corner < 2 ? corner + 1 : 0)];
@@ -224,7 +220,7 @@ __kernel void join_faces(CutGrid grid, __global const uint* triangles, __global 
 }
 
 // One work-item a row. Without pieces their number is 0.
-__kernel void write_rows(CutGrid grid, __global const uint* triangles, __global const double* positions,
+__kernel void write_rows(CutGrid grid, __global const uint* triangles, __global const CutPoint* positions,
                          __global const CutCounts* counts, __global const uint* sorted_keys,
                          __global const uint* sorted_words, __global const uint* ways, __global const uint* row_firsts,
                          __global const uint* set_of, int with_pieces, __global FractionRow* rows, uint begin,
@@ -235,7 +231,7 @@ __kernel void write_rows(CutGrid grid, __global const uint* triangles, __global 
     const uint first = row_firsts[number], behind = row_firsts[number + 1], key = sorted_keys[first];
     const long cell[3] = {key % grid.counts[0], key / grid.counts[0] % grid.counts[1],
                           key / grid.counts[0] / grid.counts[1]};
-    CutPoint low;
+    CutVector low;
     for (int d = 0; d < 3; ++d) low.at[d] = (double)(grid.first[d] + cell[d]);
     CellSums sums;
     const CutSum zero = {0, 0};

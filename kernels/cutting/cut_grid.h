@@ -60,6 +60,9 @@ typedef struct CutCounts {
 #define CLSDF_NO_VERTEX 0xFFFFFFFFu
 // In cells: a place there is a whole number.
 #define CLSDF_FARTHEST_VERTEX 0x1p53
+// In cells: a vertex whose place, rounded, is a plane is in it if it is so near. That is the rounding of places up to
+// 4,096 cells from sample 0.
+#define CLSDF_ROUNDED_ONTO_PLANE 0x1p-42
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(CutGrid) == 144 && offsetof(CutGrid, first) == 56 && offsetof(CutGrid, keys) == 120);

@@ -29,22 +29,22 @@ CUT_INLINE uint first_of_key(Records records, uint key) {
 
 // Adds what a record leaves in its cell of a line.
 CALLED_CUT void add_crossing_of(__private LineSums* sums, __private const CutGrid* grid, __global const uint* triangles,
-                                __global const double* positions, uint word, int across, long plane, long side,
+                                __global const CutPoint* positions, uint word, int across, long plane, long side,
                                 long cell) {
     const int axis = side_of(across), along = along_of(across);
     CutFace face;
     read_face(grid, triangles, positions, word / 2, &face);
     CutPoint down, up;
     section_of(face.corners, across, (double)(grid->first[across] + plane), &down, &up);
-    const double place = point_at(down, up, axis, (double)(grid->first[axis] + side + 1)).at[along];
+    const CutPoint place = point_at(down, up, axis, (double)(grid->first[axis] + side + 1));
     // Before the first cell: whole cells alone.
-    if (place >= (double)grid->first[along])
-        add_crossing(sums, (word & 1) != 0 ? 1 : -1, place - (double)(grid->first[along] + cell));
+    if (is_above(place, along, (double)grid->first[along]))
+        add_crossing(sums, (word & 1) != 0 ? 1 : -1, above_plane(place, along, (double)(grid->first[along] + cell)));
 }
 
 // What the solid has of a cell of a line on the high side of a face. steps: how often the cell's end is within.
 CUT_INLINE LineSums sums_of_line(__private const CutGrid* grid, Records records, __global const uint* triangles,
-                                 __global const double* positions, int across, long plane, long side, long cell,
+                                 __global const CutPoint* positions, int across, long plane, long side, long cell,
                                  __private int* steps) {
     LineSums sums = {{0, 0}, {0, 0}};
     const uint line = grid->lines_from[across] + place_of(grid, across, plane, side, 0), key = line + (uint)cell;
@@ -56,11 +56,11 @@ CUT_INLINE LineSums sums_of_line(__private const CutGrid* grid, Records records,
 }
 
 CUT_INLINE FaceValues values_of_cell_face(__private const CutGrid* grid, Records records,
-                                          __global const uint* triangles, __global const double* positions, int across,
-                                          long plane, long side, long cell) {
+                                          __global const uint* triangles, __global const CutPoint* positions,
+                                          int across, long plane, long side, long cell) {
     FaceSums sums = {{0, 0}, {0, 0}, {0, 0}};
     const int axis = side_of(across), along = along_of(across);
-    CutPoint low;
+    CutVector low;
     low.at[across] = (double)(grid->first[across] + plane);
     low.at[axis] = (double)(grid->first[axis] + side);
     low.at[along] = (double)(grid->first[along] + cell);
@@ -70,7 +70,7 @@ CUT_INLINE FaceValues values_of_cell_face(__private const CutGrid* grid, Records
         read_face(grid, triangles, positions, records.words[record] / 2, &face);
         if (face.moved == across) {
             CutPolygon rooms[4];
-            CutPoint below = low;
+            CutVector below = low;
             below.at[across] -= 1;
             __private const CutPolygon* part = part_of_face(&face, below, rooms);
             for (int n = 0; n < piece_count(part); ++n) {

@@ -13,12 +13,11 @@
 #pragma OPENCL FP_CONTRACT OFF
 
 // A corner of a face in cells of the lattice.
-CUT_INLINE CutPoint vertex_at(__global const double* positions, uint vertex) {
-    CutPoint point;
-    for (int k = 0; k < 3; ++k) point.at[k] = positions[3 * (size_t)vertex + k];
-    return point;
+CUT_INLINE CutPoint vertex_at(__global const CutPoint* positions, uint vertex) {
+    return positions[vertex];
 }
 
+// least, most: the cells of its corners.
 typedef struct CutFace {
     CutPoint corners[3];
     double least[3], most[3];
@@ -26,10 +25,11 @@ typedef struct CutFace {
 } CutFace;
 
 CUT_INLINE void read_face(__private const CutGrid* grid, __global const uint* triangles,
-                          __global const double* positions, uint number, __private CutFace* face) {
+                          __global const CutPoint* positions, uint number, __private CutFace* face) {
     for (int i = 0; i < 3; ++i) face->corners[i] = vertex_at(positions, triangles[3 * (size_t)number + i]);
     for (int k = 0; k < 3; ++k) {
-        const double a = face->corners[0].at[k], b = face->corners[1].at[k], c = face->corners[2].at[k];
+        const double a = cell_of(face->corners[0], k), b = cell_of(face->corners[1], k),
+                     c = cell_of(face->corners[2], k);
         face->least[k] = lesser_of(a, lesser_of(b, c));
         face->most[k] = greater_of(a, greater_of(b, c));
     }
@@ -45,13 +45,13 @@ typedef struct CutLayers {
 CUT_INLINE void find_layers(__private const CutGrid* grid, __private const CutFace* face, __private CutLayers* layers) {
     layers->low_y = layers->low_z = 0;
     layers->count_y = layers->count_z = 0;
-    bool is_above = false;
+    bool is_beyond = false;
     int axes_below = 0;
     for (int axis = 0; axis < 2; ++axis) {
-        is_above = is_above || face->least[axis] > (double)(grid->first[axis] + grid->counts[axis]);
+        is_beyond = is_beyond || face->least[axis] > (double)(grid->first[axis] + grid->counts[axis]);
         axes_below += face->most[axis] < (double)grid->first[axis] ? 1 : 0;
     }
-    if (is_above || axes_below == 2) return;
+    if (is_beyond || axes_below == 2) return;
     const double end = (double)(grid->first[2] + grid->counts[2]);
     CellRange z = cells_between(face->least[2], face->most[2], grid->first[2], grid->counts[2] + 1);
     if (z.low > z.high || (face->moved != 2 && face->least[2] >= end)) return;
@@ -62,8 +62,14 @@ CUT_INLINE void find_layers(__private const CutGrid* grid, __private const CutFa
         return;
     }
     // Cut points may lie beyond the corners by rounding.
-    const double room = 0x1p-48 * greater_of(fabs(face->least[1]), fabs(face->most[1]));
-    const CellRange y = cells_between(face->least[1] - room, face->most[1] + room, grid->first[1], grid->counts[1] + 1);
+    const double room = 0x1p-48 * (face->most[1] - face->least[1] + 2);
+    double least = face->least[1], most = face->most[1];
+    for (int i = 0; i < 3; ++i) {
+        const double whole = face->corners[i].whole[1], part = face->corners[i].part[1];
+        least = lesser_of(least, whole + floor(part - room));
+        most = greater_of(most, whole + floor(part + room));
+    }
+    const CellRange y = cells_between(least, most, grid->first[1], grid->counts[1] + 1);
     layers->low_y = y.low;
     layers->count_y = y.low > y.high ? 0 : (ulong)(y.high - y.low) + 1;
 }
@@ -92,8 +98,8 @@ CUT_INLINE void add_record(__private RecordSink* sink, uint key, bool enters) {
 }
 
 CUT_INLINE CellRange range_of_segment(__private const CutGrid* grid, CutPoint p, CutPoint q, int axis) {
-    return cells_between(lesser_of(p.at[axis], q.at[axis]), greater_of(p.at[axis], q.at[axis]), grid->first[axis],
-                         grid->counts[axis]);
+    const double a = cell_of(p, axis), b = cell_of(q, axis);
+    return cells_between(lesser_of(a, b), greater_of(a, b), grid->first[axis], grid->counts[axis]);
 }
 
 CUT_INLINE bool is_in_range(CellRange range, long number) {
@@ -107,7 +113,7 @@ CALLED_CUT void add_line_record(__private RecordSink* sink, __private const CutG
     const double at = (double)(grid->first[axis] + side + 1);
     bool enters;
     if (!crosses_line(down, up, axis, at, &enters)) return;
-    const double place = point_at(down, up, axis, at).at[along];
+    const double place = cell_of(point_at(down, up, axis, at), along);
     const CellRange cell = cells_between(place, place, grid->first[along], grid->counts[along]);
     if (cell.low < grid->counts[along])
         add_record(sink, grid->lines_from[across] + place_of(grid, across, plane, side, cell.low), enters);
@@ -131,7 +137,7 @@ CALLED_CUT void add_face_records(__private RecordSink* sink, __private const Cut
 }
 
 // The part of a face in a cell, whose low corner is `low`; along the axis across which it is moved, all of it.
-CALLED_CUT __private const CutPolygon* part_of_face(__private const CutFace* face, CutPoint low,
+CALLED_CUT __private const CutPolygon* part_of_face(__private const CutFace* face, CutVector low,
                                                     __private CutPolygon* rooms) {
     __private const CutPolygon* part = &rooms[0];
     for (int i = 0; i < 3; ++i) rooms[0].corners[i] = face->corners[i];
@@ -158,7 +164,7 @@ CALLED_CUT void add_cell_records(__private RecordSink* sink, __private const Cut
     if (part->count < 3) return;
     const CellRange cells = cells_of_polygon(part, 0, moved == 0, grid->first[0], grid->counts[0]);
     for (long i = cells.low; i <= cells.high; ++i) {
-        const CutPoint low = {
+        const CutVector low = {
             {(double)(grid->first[0] + i), (double)(grid->first[1] + cell_j), (double)(grid->first[2] + cell_k)}};
         __private const CutPolygon* in_cell = moved == 0 ? part : part_in_cell(part, 0, low.at[0], &rooms[0]);
         bool has_area = false;
@@ -186,8 +192,8 @@ CUT_INLINE void add_records(__private RecordSink* sink, __private const CutGrid*
     CutPoint down, up;
     if (has_cells_z) {
         const double low = (double)grid->first[0], high = low + grid->counts[0];
-        const double to = lesser_of(high, floor(face->most[0]));
-        for (double plane = greater_of(low, ceil(face->least[0])); plane <= to; ++plane) {
+        const double to = lesser_of(high, face->most[0]);
+        for (double plane = greater_of(low, face->least[0] + 1); plane <= to; ++plane) {
             if (!section_of(face->corners, 0, plane, &down, &up)) continue;
             const long number = (long)plane - grid->first[0];
             if (is_first) add_line_record(sink, grid, 0, number, k, down, up);
@@ -201,8 +207,8 @@ CUT_INLINE void add_records(__private RecordSink* sink, __private const CutGrid*
     if (section_of(face->corners, 2, (double)(grid->first[2] + k), &down, &up)) {
         if (is_first) {
             const double low = (double)grid->first[0], high = low + grid->counts[0];
-            const double to = lesser_of(high, floor(greater_of(down.at[0], up.at[0])));
-            for (double at = greater_of(low + 1, ceil(lesser_of(down.at[0], up.at[0]))); at <= to; ++at)
+            const double one = cell_of(down, 0), other = cell_of(up, 0), to = lesser_of(high, greater_of(one, other));
+            for (double at = greater_of(low, lesser_of(one, other)) + 1; at <= to; ++at)
                 add_line_record(sink, grid, 2, k, (long)at - grid->first[0] - 1, down, up);
         }
         if (has_cells_y) add_face_records(sink, grid, 2, k, down, up, all, row);

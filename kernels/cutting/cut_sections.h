@@ -61,7 +61,7 @@ CUT_INLINE FaceValues values_of_face(double length, double moment, __private con
 CALLED_CUT bool section_of(__private const CutPoint* corners, int across, double plane, __private CutPoint* down,
                            __private CutPoint* up) {
     bool are_above[3];
-    for (int i = 0; i < 3; ++i) are_above[i] = corners[i].at[across] >= plane;
+    for (int i = 0; i < 3; ++i) are_above[i] = is_above(corners[i], across, plane);
     if (are_above[0] == are_above[1] && are_above[1] == are_above[2]) return false;
     const bool is_turned = across == 0;
     for (int i = 0; i < 3; ++i) {
@@ -79,19 +79,19 @@ CALLED_CUT bool section_of(__private const CutPoint* corners, int across, double
 // Shortens a segment to a cell; its ends keep their order. False if nothing is left.
 CUT_INLINE bool cut_segment(__private CutPoint* p, __private CutPoint* q, int axis, double cell) {
     const CutPoint from = *p, to = *q;
-    const double a = from.at[axis], b = to.at[axis];
-    if ((a < cell && b < cell) || (a >= cell + 1 && b >= cell + 1)) return false;
-    if (!(a >= cell && a < cell + 1)) *p = point_at(from, to, axis, a < cell ? cell : cell + 1);
-    if (!(b >= cell && b < cell + 1)) *q = point_at(from, to, axis, b < cell ? cell : cell + 1);
+    const double a = cell_of(from, axis), b = cell_of(to, axis);
+    if ((a < cell && b < cell) || (a > cell && b > cell)) return false;
+    if (a != cell) *p = point_at(from, to, axis, a < cell ? cell : cell + 1);
+    if (b != cell) *q = point_at(from, to, axis, b < cell ? cell : cell + 1);
     return true;
 }
 
 CUT_INLINE void add_segment(__private FaceSums* to, CutPoint from, CutPoint end, int across, double low_side,
                             double low_along) {
     const int side = side_of(across), along = along_of(across);
-    const double b0 = from.at[side] - low_side, b1 = end.at[side] - low_side;
-    const double c0 = from.at[along] - low_along, c1 = end.at[along] - low_along;
-    const double step = end.at[along] - from.at[along];
+    const double b0 = above_plane(from, side, low_side), b1 = above_plane(end, side, low_side);
+    const double c0 = above_plane(from, along, low_along), c1 = above_plane(end, along, low_along);
+    const double step = cut_way(from, end).at[along];
     add_face_values(to, (b0 + b1) / 2 * step, (b0 * b0 + b0 * b1 + b1 * b1) / 6 * step,
                     (2 * (b0 * c0 + b1 * c1) + b0 * c1 + b1 * c0) / 6 * step);
 }
@@ -114,8 +114,8 @@ typedef struct LineSums {
 
 // Whether the way from `down` to `up` crosses a line, at `at` of the axis `side`, and whether the line enters there.
 CUT_INLINE bool crosses_line(CutPoint down, CutPoint up, int side, double at, __private bool* enters) {
-    *enters = up.at[side] >= at;
-    return (down.at[side] >= at) != *enters;
+    *enters = is_above(up, side, at);
+    return is_above(down, side, at) != *enters;
 }
 
 // A line that enters the solid (way 1) or leaves it (-1), so far from the cell's low end.

@@ -25,7 +25,7 @@ __kernel void store_rows(__global const CutCounts* counts, __global const uchar*
 
 // Of each cell whether it is wholly of the part that is asked for, as if the surface met none: without surface in a
 // cell its high face across z is as that face's edge, which runs along y. One work-item a row of cells along y.
-__kernel void store_full(CutGrid grid, __global const uint* triangles, __global const double* positions,
+__kernel void store_full(CutGrid grid, __global const uint* triangles, __global const CutPoint* positions,
                          __global const CutCounts* counts, __global const uint* keys, __global const uint* words,
                          __global const uint* ways, long first, long stride, __global uchar* to, uint begin, uint end) {
     const uint number = begin + get_global_id(0);

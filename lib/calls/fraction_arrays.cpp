@@ -137,10 +137,9 @@ private:
         if (types_.is_given()) types_.set(item, 0, static_cast<std::uint8_t>(type));
     }
     Vec3 middle(const Index3& item, bool as_point) const {
-        Vec3 point{};
-        if (as_point)
-            for (std::size_t d = 0; d < 3; ++d)
-                point[d] = grid_.origin[d] + grid_.spacing[d] * (static_cast<double>(grid_.first[d] + item[d]) + 0.5);
+        if (!as_point) return {};
+        Vec3 point = grid_.position(item[0], item[1], item[2]);
+        for (std::size_t d = 0; d < 3; ++d) point[d] += 0.5 * grid_.spacing[d];
         return point;
     }
 

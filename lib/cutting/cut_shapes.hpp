@@ -7,10 +7,12 @@
 
 #include "cut_grid.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 // OpenCL C gets no warnings for C++.
 #ifdef __GNUC__
@@ -21,14 +23,16 @@
 namespace clsdf::cutting {
 
 using namespace kernel_language;
-using std::floor;
+using std::floor, std::fma, std::rint;
 
 #define __private
 #include "cell_rows.h"
 #undef __private
 
-inline CutPoint cut_point(const Vec3& p) {
-    return {{p[0], p[1], p[2]}};
+/// The lowest and the highest cell along an axis in which corners of a triangle lie.
+inline std::pair<double, double> cells_of_corners(const std::array<CutPoint, 3>& corners, std::size_t axis) {
+    const auto along = static_cast<int>(axis);
+    return std::minmax({cell_of(corners[0], along), cell_of(corners[1], along), cell_of(corners[2], along)});
 }
 
 inline CellFraction as_fraction(const FractionRow& row) {

@@ -26,7 +26,7 @@ CutGrid cut_grid_of(const Grid& grid, const FractionOptions& options) {
     return cut;
 }
 
-Slab::Slab(std::span<const Triangle> triangles, std::span<const Vec3> positions, const CutGrid& grid)
+Slab::Slab(std::span<const Triangle> triangles, std::span<const CutPoint> positions, const CutGrid& grid)
     : triangles_(triangles), positions_(positions), grid_(grid), counts_{grid.counts[0], grid.counts[1], 1} {}
 
 void Slab::run(std::int64_t k, std::span<const std::uint32_t> faces, std::vector<CellFraction>& rows,
@@ -39,16 +39,16 @@ void Slab::run(std::int64_t k, std::span<const std::uint32_t> faces, std::vector
     listed_.clear();
     for (const std::uint32_t face : faces) {
         std::array<CutPoint, 3> corners;
-        for (std::size_t i = 0; i < 3; ++i) corners[i] = cut_point(positions_[triangles_[face][i]]);
+        for (std::size_t i = 0; i < 3; ++i) corners[i] = positions_[triangles_[face][i]];
         // Lines within the cells begin far below, so a face counts that is below them along one axis alone.
-        bool is_above = false;
+        bool is_beyond = false;
         int axes_below = 0;
         for (std::size_t axis = 0; axis < 2; ++axis) {
-            const auto [least, most] = std::minmax({corners[0].at[axis], corners[1].at[axis], corners[2].at[axis]});
-            is_above = is_above || least > static_cast<double>(first_[axis] + counts_[axis]);
+            const auto [least, most] = cells_of_corners(corners, axis);
+            is_beyond = is_beyond || least > static_cast<double>(first_[axis] + counts_[axis]);
             axes_below += most < static_cast<double>(first_[axis]) ? 1 : 0;
         }
-        if (is_above || axes_below == 2) continue;
+        if (is_beyond || axes_below == 2) continue;
         x_.add(corners);
         y_.add(corners);
         z_.add(corners);
@@ -103,8 +103,8 @@ void Slab::add_cells(const std::array<CutPoint, 3>& corners, std::uint32_t face)
 }
 
 void Slab::add(const CutPolygon& polygon, const std::array<std::int64_t, 3>& cell, std::uint32_t face, int moved) {
-    const CutPoint low{{static_cast<double>(first_[0] + cell[0]), static_cast<double>(first_[1] + cell[1]),
-                        static_cast<double>(first_[2] + cell[2])}};
+    const CutVector low{{static_cast<double>(first_[0] + cell[0]), static_cast<double>(first_[1] + cell[1]),
+                         static_cast<double>(first_[2] + cell[2])}};
     ListedSums* sums = nullptr;
     for (int n = 0; n < piece_count(&polygon); ++n) {
         CutPiece piece;  // NOLINT(*-member-init)
@@ -139,7 +139,7 @@ CellFraction Slab::row(std::int64_t i, std::int64_t j, const ListedSums& sums) {
 }
 
 /// Faces are joined over an edge that has a part in the cell.
-std::uint32_t Slab::pieces(const ListedSums& sums, const CutPoint& low) {
+std::uint32_t Slab::pieces(const ListedSums& sums, const CutVector& low) {
     std::uint32_t count = sums.faces;
     if (count == 1) return 1;
     sets_.reset(count);
@@ -155,7 +155,7 @@ std::uint32_t Slab::pieces(const ListedSums& sums, const CutPoint& low) {
     for (std::size_t n = 1; n < edges_.size() && count > 1; ++n) {
         const Edge &one = edges_[n - 1], &other = edges_[n];
         if (one.ends != other.ends || sets_.root(other.face) == sets_.root(one.face)) continue;
-        if (!edge_meets_cell(cut_point(positions_[other.low()]), cut_point(positions_[other.high()]), low)) continue;
+        if (!edge_meets_cell(positions_[other.low()], positions_[other.high()], low)) continue;
         --count;
         sets_.join(other.face, one.face);
     }

@@ -20,7 +20,7 @@ CutGrid cut_grid_of(const Grid& grid, const FractionOptions& options);
 class Slab {
 public:
     /// positions: in cells of the lattice.
-    Slab(std::span<const Triangle> triangles, std::span<const Vec3> positions, const CutGrid& grid);
+    Slab(std::span<const Triangle> triangles, std::span<const CutPoint> positions, const CutGrid& grid);
 
     /// k: the slab, counted from the grid's first; faces: those that have a part in it or, if they move, in its high
     /// plane, ascending. Adds the cells that the surface meets, by y and x, and tells of each cell of the slab, x
@@ -48,10 +48,10 @@ private:
     void add_cells(const std::array<CutPoint, 3>& corners, std::uint32_t face);
     void add(const CutPolygon& part, const std::array<std::int64_t, 3>& cell, std::uint32_t face, int moved);
     CellFraction row(std::int64_t i, std::int64_t j, const ListedSums& sums);
-    std::uint32_t pieces(const ListedSums& sums, const CutPoint& low);
+    std::uint32_t pieces(const ListedSums& sums, const CutVector& low);
 
     std::span<const Triangle> triangles_;
-    std::span<const Vec3> positions_;
+    std::span<const CutPoint> positions_;
     CutGrid grid_;
     std::array<std::int64_t, 3> counts_, first_{};
     Sections x_{0}, y_{1}, z_{2};

@@ -134,7 +134,7 @@ DeviceFractions::DeviceFractions(const engine::DeviceTools& tools, const Mesh& m
         if (with_pieces)
             next_of_edge_ = device::uploaded(tools.context, tools.pool, rings_of_edges(mesh.triangles()), purpose);
         counts_ = lease(tools, 1, sizeof(CutCounts));
-        positions_ = lease(tools, vertices_, sizeof(Vec3));
+        positions_ = lease(tools, vertices_, sizeof(CutPoint));
         layers_ = lease(tools, faces_);
         layer_starts_ = lease(tools, faces_ + 1);
         layer_sums_.emplace(tools, *layers_, *layer_starts_, faces_, "layers of triangles");

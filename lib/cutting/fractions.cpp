@@ -30,6 +30,7 @@ namespace {
 
 using cutting::Cancellation;
 using cutting::CellRange;
+using cutting::CutPoint;
 using cutting::Slab;
 
 double place_of(const Vec3& vertex, const Grid& lattice, std::size_t axis) {
@@ -67,25 +68,20 @@ public:
         for (const SlabRange& range : ranges)
             parts_.push_back({range.first, std::vector<std::vector<std::uint32_t>>(
                                                static_cast<std::size_t>(range.end - range.first))});
-        // In cells of the lattice, so that a part has the bytes of the whole.
+        const CutGrid cut = cutting::cut_grid_of(lattice, options);
+        std::atomic<bool> are_near = true;
         for_each_index(positions_.size(), [&](std::size_t v) {
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double position = place_of(mesh.vertices()[v], lattice, axis);
-                const double plane = std::nearbyint(position);
-                positions_[v][axis] = std::abs(position - plane) <= options.snap ? plane : position;
-            }
+            for (int axis = 0; axis < 3; ++axis)
+                if (!cutting::place_coordinate(&cut, axis, mesh.vertices()[v][static_cast<std::size_t>(axis)],
+                                               &positions_[v]))
+                    are_near = false;
         });
-        for (const Vec3& position : positions_)
-            for (const double x : position)
-                if (!(std::abs(x) <= CLSDF_FARTHEST_VERTEX)) cutting::refuse_far_vertices(mesh, lattice);
+        if (!are_near) cutting::refuse_far_vertices(mesh, lattice);
         for (std::uint32_t face = 0; face < triangles_.size(); ++face) {
             const auto& [a, b, c] = triangles_[face];
-            auto [least, most] = std::minmax({positions_[a][2], positions_[b][2], positions_[c][2]});
-            if (least == most) {
-                const std::array corners{cutting::cut_point(positions_[a]), cutting::cut_point(positions_[b]),
-                                         cutting::cut_point(positions_[c])};
-                if (cutting::moved_axis(corners.data(), static_cast<int>(options.walls)) == 2) --least;
-            }
+            const std::array corners{positions_[a], positions_[b], positions_[c]};
+            auto [least, most] = cutting::cells_of_corners(corners, 2);
+            if (least == most && cutting::moved_axis(corners.data(), cut.walls) == 2) --least;
             for (Part& part : parts_) {
                 const CellRange range =
                     cutting::cells_between(least, most, part.first, static_cast<std::int64_t>(part.faces.size()));
@@ -97,7 +93,8 @@ public:
 
     bool is_of(const Grid& grid) const { return grid.origin == origin_ && grid.spacing == spacing_; }
     std::span<const Triangle> triangles() const { return triangles_; }
-    std::span<const Vec3> positions() const { return positions_; }
+    /// In cells of the lattice.
+    std::span<const CutPoint> positions() const { return positions_; }
     /// Those with a part in a slab, counted on the lattice.
     std::span<const std::uint32_t> faces(std::int64_t slab) const {
         const auto part = std::prev(std::ranges::upper_bound(parts_, slab, {}, &Part::first));
@@ -112,7 +109,7 @@ private:
 
     Vec3 origin_, spacing_;
     std::span<const Triangle> triangles_;
-    std::vector<Vec3> positions_;
+    std::vector<CutPoint> positions_;
     std::vector<Part> parts_;
 };
 

@@ -1,9 +1,18 @@
 #include "cutting/sections.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 namespace clsdf::cutting {
+
+namespace {
+
+/// The lower and the higher cell along an axis in which ends of a segment lie.
+std::pair<double, double> cells_of_ends(const CutPoint& p, const CutPoint& q, std::size_t axis) {
+    return std::minmax({cell_of(p, static_cast<int>(axis)), cell_of(q, static_cast<int>(axis))});
+}
+
+}  // namespace
 
 void Sections::reset(const std::array<std::int64_t, 3>& first, const std::array<std::int64_t, 3>& counts,
                      std::int64_t planes) {
@@ -16,10 +25,10 @@ void Sections::reset(const std::array<std::int64_t, 3>& first, const std::array<
 }
 
 void Sections::add(const std::array<CutPoint, 3>& corners) {
-    const auto [least, most] = std::minmax({corners[0].at[across_], corners[1].at[across_], corners[2].at[across_]});
+    const auto [least, most] = cells_of_corners(corners, across_);
     const auto low = static_cast<double>(first_[across_]), high = low + static_cast<double>(planes_ - 1);
-    const double from = std::max(low, std::ceil(least)), to = std::min(high, std::floor(most));
-    for (double plane = from; plane <= to; ++plane) add(corners, plane);
+    const double to = std::min(high, most);
+    for (double plane = std::max(low, least + 1); plane <= to; ++plane) add(corners, plane);
 }
 
 void Sections::add(const std::array<std::int64_t, 3>& cell_from_first, const CutPiece& piece) {
@@ -41,8 +50,8 @@ void Sections::add(const std::array<CutPoint, 3>& corners, double plane) {
     const auto number = static_cast<std::int64_t>(plane) - first_[across_];
     add_lines(number, down, up);
     const auto range = [&](const CutPoint& p, const CutPoint& q, std::size_t axis) {
-        return cells_between(std::min(p.at[axis], q.at[axis]), std::max(p.at[axis], q.at[axis]), first_[axis],
-                             counts_[axis]);
+        const auto [least, most] = cells_of_ends(p, q, axis);
+        return cells_between(least, most, first_[axis], counts_[axis]);
     };
     const CellRange sides = range(down, up, side_);
     for (std::int64_t i = sides.low; i <= sides.high; ++i) {
@@ -60,14 +69,15 @@ void Sections::add(const std::array<CutPoint, 3>& corners, double plane) {
 }
 
 void Sections::add_lines(std::int64_t plane, const CutPoint& down, const CutPoint& up) {
-    const auto [least, most] = std::minmax(down.at[side_], up.at[side_]);
+    const auto [least, most] = cells_of_ends(down, up, side_);
     const auto low = static_cast<double>(first_[side_]), high = low + static_cast<double>(counts_[side_]);
-    const double from = std::max(low + 1, std::ceil(least)), to = std::min(high, std::floor(most));
-    for (double at = from; at <= to; ++at) {
+    const double to = std::min(high, most);
+    for (double at = std::max(low, least) + 1; at <= to; ++at) {
         bool enters = false;
         if (!crosses_line(down, up, static_cast<int>(side_), at, &enters)) continue;
         const std::int64_t side = static_cast<std::int64_t>(at) - first_[side_] - 1;
-        lines_.add(line(plane, side), point_at(down, up, static_cast<int>(side_), at).at[along_], enters ? 1 : -1);
+        lines_.add(line(plane, side), point_at(down, up, static_cast<int>(side_), at), static_cast<int>(along_),
+                   enters ? 1 : -1);
     }
 }
 

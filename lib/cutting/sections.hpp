@@ -62,15 +62,16 @@ public:
         parts_.reset(lines * cells);
     }
     /// A line enters the solid (1) or leaves it (-1).
-    void add(std::size_t line, double at, int way) {
-        const CellRange cell = cells_between(at, at, first_, static_cast<std::int64_t>(cells_));
+    void add(std::size_t line, const CutPoint& at, int along, int way) {
+        const double place = cell_of(at, along);
+        const CellRange cell = cells_between(place, place, first_, static_cast<std::int64_t>(cells_));
         if (cell.low == static_cast<std::int64_t>(cells_)) return;
         if (is_crossed_[line] == 0) crossed_.push_back(line);
         is_crossed_[line] = 1;
-        const std::size_t place = line * cells_ + static_cast<std::size_t>(cell.low);
-        steps_[place] += way;
+        const std::size_t item = line * cells_ + static_cast<std::size_t>(cell.low);
+        steps_[item] += way;
         if (cell.high < 0) return;  // before the first cell: whole cells alone
-        add_crossing(&parts_.make(place), way, at - static_cast<double>(first_ + cell.low));
+        add_crossing(&parts_.make(item), way, above_plane(at, along, static_cast<double>(first_ + cell.low)));
     }
     /// Sums up what enters and leaves.
     void finish() {

@@ -137,6 +137,18 @@ BOOST_AUTO_TEST_CASE(kernels_have_the_bytes_of_the_host) {
     // The whole in a cell, and none at all.
     check_same(surface, {knot.box().lower, {9 * side[0], 9 * side[1], 9 * side[2]}, {3, 3, 3}, {-1, -1, -1}}, {});
     check_same(surface, around.block({60, 0, 0}, {5, 5, 5}), {});
+    // Far from sample 0; and a body there and one here, in one mesh.
+    Grid far = around;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        far.first[axis] = axis == 1 ? -100'000'000 : 100'000'000;
+        far.origin[axis] -= far.spacing[axis] * static_cast<double>(far.first[axis]);
+    }
+    for (const FractionOptions& options : conventions()) check_same(surface, far, options);
+    const OuterSurface two = outer(together({knot, shifted(knot, {1e6, -1e6, 1e6})}, "two knots"));
+    Grid beside = around;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        beside.first[axis] = static_cast<std::int64_t>((axis == 1 ? -1e6 : 1e6) / around.spacing[axis]);
+    check_same(two, beside, {});
 }
 
 BOOST_AUTO_TEST_CASE(walls_between_cells_have_the_bytes_of_the_host) {

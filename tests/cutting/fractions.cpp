@@ -3,6 +3,7 @@
 #include "core/vectors.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
+#include "support/supposes.hpp"
 #include "support/throws.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <span>
 #include <vector>
@@ -66,6 +68,21 @@ void check_sums(const Mesh& mesh, const Grid& grid, const OuterSurface& surface)
     BOOST_TEST(std::abs(volume - surface.volume) <= 1e-12 * surface.volume, mesh.name());
     BOOST_TEST(std::abs(area - surface.area) <= 1e-12 * surface.area, mesh.name());
     for (const double sum : vector_area) BOOST_TEST(std::abs(sum) <= 1e-12 * surface.area);
+}
+
+/// The same cells, but for their numbers.
+void check_same_cells(const Fractions& known, const Fractions& found) {
+    BOOST_TEST(!known.cells.empty());
+    BOOST_TEST((found.full == known.full));
+    BOOST_REQUIRE(found.cells.size() == known.cells.size());
+    std::size_t wrong = 0;
+    for (std::size_t n = 0; n < known.cells.size(); ++n) {
+        CellFraction cell = found.cells[n];
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            cell.cell[axis] += static_cast<std::int32_t>(known.grid.first[axis] - found.grid.first[axis]);
+        wrong += std::memcmp(&cell, &known.cells[n], sizeof cell) != 0 ? 1U : 0U;
+    }
+    BOOST_TEST(wrong == 0U);
 }
 
 }  // namespace
@@ -402,8 +419,72 @@ BOOST_AUTO_TEST_CASE(unequal_spacings_and_far_offsets_keep_sums) {
     const Fractions found = fractions(far, grid);
     double volume = 0;
     for (const auto& [cell, fraction] : volumes(found)) volume += fraction;
-    // Positions in cells are rounded by 1e-9 of a cell.
-    BOOST_TEST(std::abs(volume * 1e-3 - outer(far).volume) < 1e-7);
+    BOOST_TEST(std::abs(volume * 1e-3 - outer(far).volume) < 1e-12);
+}
+
+BOOST_AUTO_TEST_CASE(cells_have_the_same_bytes_wherever_their_numbers_begin) {
+    const OuterSurface surface = outer(make_shape("sphere3"));
+    for (const Vec3& spacing : {Vec3{0.25, 0.25, 0.25}, Vec3{0.3125, 0.21875, 0.28125}}) {
+        const Grid near{{-1.25, -1.25, -1.25}, spacing, {9, 13, 10}};
+        for (const FractionOptions& options : {FractionOptions(), FractionOptions::of("amrex")}) {
+            const Fractions known = fractions(surface, near, options);
+            for (const std::int64_t first : {1000, 1000000, 100000000, -100000000, 2000000000}) {
+                Grid far = near;
+                far.first = {first, first, first};
+                for (std::size_t axis = 0; axis < 3; ++axis) far.origin[axis] -= spacing[axis] * double(first);
+                BOOST_REQUIRE(far.position(0, 0, 0) == near.origin);
+                check_same_cells(known, fractions(surface, far, options));
+            }
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_body_far_from_sample_0_has_the_bytes_of_one_near_it) {
+    // Coordinates with few digits, so that the other body is the same one.
+    Mesh ball = make_shape("sphere3");
+    std::vector<Vec3> vertices = ball.vertices();
+    for (Vec3& vertex : vertices)
+        for (double& x : vertex) x = std::round(x * 0x1p20) / 0x1p20;
+    ball = Mesh(vertices, ball.triangles());
+    constexpr std::int64_t cells = 1 << 27;
+    const Mesh other = shifted(ball, {0.25 * cells, -0.25 * cells, 0.25 * cells});
+    const OuterSurface both = outer(together({ball, other}, "two balls"));
+    const Grid near{{-1.25, -1.25, -1.25}, {0.25, 0.25, 0.25}, {11, 11, 11}};
+    const Grid far{near.origin, near.spacing, near.size, {cells, -cells, cells}};
+    for (const FractionOptions& options : {FractionOptions(), FractionOptions::of("amrex")})
+        check_same_cells(fractions(both, near, options), fractions(both, far, options));
+}
+
+BOOST_AUTO_TEST_CASE(points_and_walls_are_as_exact_far_from_sample_0) {
+    // A wall 2^-38 beyond a plane.
+    const Mesh box = test::box({1 + 0x1p-38, 1, 1}, {2.5, 3, 3});
+    const Grid grid{{-1e8, 1e8, -1e8}, {1, 1, 1}, {4, 4, 4}, {100000000, -100000000, 100000000}};
+    const Fractions found = fractions(box, grid, FractionOptions::of("vtk"));
+    const auto cell = std::ranges::find(found.cells, std::array{100000001, -99999999, 100000001}, &CellFraction::cell);
+    BOOST_REQUIRE((cell != found.cells.end()));
+    BOOST_TEST(cell->volume == 1 - 0x1p-38);
+    BOOST_TEST(cell->centroid[0] == 1.5 + 0x1p-39);
+    BOOST_TEST(cell->centroid[1] == 1.5);
+}
+
+BOOST_AUTO_TEST_CASE(large_triangles_are_as_exact_as_their_size_in_cells) {
+    // Below x + y + z = n, in the cell from (i, j, k): the part of a cube below x + y + z = n - i - j - k.
+    const auto part = [](double t) {
+        const auto cube = [](double x) { return x > 0 ? x * x * x : 0; };
+        return (cube(t) - 3 * cube(t - 1) + 3 * cube(t - 2)) / 6;
+    };
+    for (const double n : {10.5, 1e3 + 0.5, 1e5 + 0.5, 1e7 + 0.5}) {
+        const Mesh tetrahedron({{0, 0, 0}, {n, 0, 0}, {0, n, 0}, {0, 0, n}},
+                               {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}});
+        const auto middle = static_cast<std::int64_t>(n / 3);
+        double worst = 0;
+        const Fractions found =
+            fractions(tetrahedron, Grid{{0, 0, 0}, {1, 1, 1}, {6, 6, 6}, {middle - 2, middle - 2, middle - 2}});
+        BOOST_TEST(found.cells.size() > 30U);
+        for (const CellFraction& cell : found.cells)
+            worst = std::max(worst, std::abs(cell.volume - part(n - cell.cell[0] - cell.cell[1] - cell.cell[2])));
+        BOOST_TEST(worst <= 1e-15 * n, n << ": " << worst);
+    }
 }
 
 BOOST_AUTO_TEST_CASE(vertices_near_a_plane_are_moved_onto_it_on_request) {
@@ -464,17 +545,21 @@ BOOST_AUTO_TEST_CASE(conventions_are_one_row_told_in_other_ways) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(a_grid_without_cells_is_refused) {
+BOOST_AUTO_TEST_CASE(a_grid_that_needs_more_bytes_than_a_process_has_addresses_is_refused,
+                     *boost::unit_test::precondition(on_usual_memory)) {
     const Mesh box = test::box({0, 0, 0}, {1, 1, 1});
-    check_throws(ErrorCode::invalid_argument, {"3000000000 to 3000000002 along z", "origin"}, [&] {
-        fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {3, 3, 3}, {0, 0, 3000000000}});
-    });
-    // More bytes than a process has addresses.
     check_throws(ErrorCode::out_of_memory, {"cells of the grids", "take parts of them"}, [&] {
         fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {40000000, 40000000, 5}});
     });
     check_throws(ErrorCode::out_of_memory, {"cells of the grids"}, [&] {
         fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {2000000000, 2000000000, 2000000000}});
+    });
+}
+
+BOOST_AUTO_TEST_CASE(a_grid_without_cells_is_refused) {
+    const Mesh box = test::box({0, 0, 0}, {1, 1, 1});
+    check_throws(ErrorCode::invalid_argument, {"3000000000 to 3000000002 along z", "origin"}, [&] {
+        fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {3, 3, 3}, {0, 0, 3000000000}});
     });
     check_throws(ErrorCode::invalid_argument, {"lies inf cells along", "larger spacing"}, [&] {
         fractions(box, Grid{{0, 0, 0}, {1e-310, 1e-310, 1e-310}, {3, 3, 3}});

@@ -127,10 +127,10 @@ void write_vti(const Fractions& found, const std::string& path) {
                                     path, count));
     const auto middle = [&](std::size_t cell, std::size_t n) {
         if (!found.options.centroids_as_points) return 0.0;
-        const std::array<std::size_t, 3> at{cell % counts[0], cell / counts[0] % counts[1],
-                                            cell / counts[0] / counts[1]};
-        return found.grid.origin[n] +
-               found.grid.spacing[n] * (static_cast<double>(found.grid.first[n]) + static_cast<double>(at[n]) + 0.5);
+        const Vec3 low = found.grid.position(static_cast<std::int64_t>(cell % counts[0]),
+                                             static_cast<std::int64_t>(cell / counts[0] % counts[1]),
+                                             static_cast<std::int64_t>(cell / counts[0] / counts[1]));
+        return low[n] + 0.5 * found.grid.spacing[n];
     };
     const auto nothing = [](std::size_t, std::size_t) { return 0.0; };
     using Cell = CellFraction;
