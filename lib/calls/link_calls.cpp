@@ -183,8 +183,12 @@ TransformStatistics DistanceTransform::State::store(const plans::AskedLinks& ask
                                                     const LinkTargets& targets, const CallOptions& call) {
     plans::LinkPlanState made(device, pool, programs);
     plan(made, asked, std::move(found), call);
-    device::guarded([&] { made.enqueue({}, targets, {}); });
-    made.give_back();  // waits
+    device::guarded([&] {
+        cl::Event done;
+        made.enqueue({.done = &done()}, targets, {});
+        context().wait(done, context().kernels().launched().count());
+    });
+    made.give_back();
     return made.published;
 }
 

@@ -3,6 +3,7 @@
 #include "disguise/gpu.hpp"
 
 #include <array>
+#include <cstring>
 
 namespace clsdf::disguise {
 
@@ -133,7 +134,13 @@ cl_int clGetEventInfo(cl_event event, cl_event_info what, std::size_t size, void
     const InCall in_call;
     if (const cl_int code = begin("clGetEventInfo")) return code;
     if (what == CL_EVENT_COMMAND_EXECUTION_STATUS) end_failing(1, &event);
-    return CLSDF_NEXT(clGetEventInfo)(event, what, size, value, needed);
+    const cl_int code = CLSDF_NEXT(clGetEventInfo)(event, what, size, value, needed);
+    cl_int status = 0;
+    if (code != CL_SUCCESS || what != CL_EVENT_COMMAND_EXECUTION_STATUS || value == nullptr) return code;
+    std::memcpy(&status, value, sizeof status);
+    if (status == CL_COMPLETE && record().settings.ends_late) status = CL_RUNNING;
+    std::memcpy(value, &status, sizeof status);
+    return code;
 }
 
 cl_int clFinish(cl_command_queue queue) {
@@ -240,7 +247,6 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
         const InCall in_call;            \
         return CLSDF_NEXT(name)(object); \
     }
-CLSDF_PASS_UNCOUNTED(clRetainMemObject, cl_mem)
 CLSDF_PASS_UNCOUNTED(clRetainEvent, cl_event)
 CLSDF_PASS_UNCOUNTED(clReleaseEvent, cl_event)
 CLSDF_PASS_UNCOUNTED(clRetainKernel, cl_kernel)

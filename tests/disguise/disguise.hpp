@@ -46,6 +46,7 @@ struct Settings {
     bool external_memory = false;      ///< a GPU takes memory of the stand-in for CUDA's driver (cuda/driver.cpp)
     bool external_semaphores = false;  ///< and shares semaphores with it
     bool unshared_semaphores = false;  ///< whose signals do not reach the other driver, with external_semaphores
+    bool ends_late = false;  ///< commands that have ended are said to run: waits do not depend on the time
     std::uint64_t memory =
         UINT64_MAX;  ///< bytes of a GPU; a first use beyond fails with CL_MEM_OBJECT_ALLOCATION_FAILURE
 };
@@ -86,6 +87,8 @@ struct Counts {
     std::uint64_t allocations = 0;     ///< buffers
     std::uint64_t first_uses = 0;      ///< commands that are the first to use a buffer of a GPU
     std::uint64_t allocated_bytes = 0;
+    std::uint64_t peak_bytes = 0;  ///< the most that buffers had at once, with those of before; not of memory that is
+                                   ///< the host's
     std::uint64_t programs_built = 0;
     std::uint64_t host_ns = 0;  ///< see time_host()
     std::string failed;         ///< the first call, or the kernel, that failed on purpose; empty: none
@@ -101,6 +104,9 @@ void restart(const Fault& fault = {});
 /// holds oneTBB to one. To be called after restart().
 void time_host();
 void end_host_time();
+
+/// Whether this thread is in a call of OpenCL.
+bool is_in_call();
 
 /// Counts as one line of JSON.
 std::string to_json(const Counts& counts);

@@ -191,6 +191,9 @@ std::vector<std::string> query(std::size_t points) {
 }
 constexpr std::size_t searched_points = 500, many_points = 17000;
 
+/// Processes with a failing call, of a job: what follows from it in the library is a matter of failing_calls.cpp.
+constexpr std::uint64_t wanted = 2;
+
 }  // namespace
 
 // The calls of PoCL on a processor and as a GPU, and PoCL's names.
@@ -199,43 +202,43 @@ BOOST_AUTO_TEST_SUITE(on_a_known_driver, *boost::unit_test::precondition(on_pocl
 BOOST_AUTO_TEST_SUITE(the_command_survives_a_failing_call)
 
 BOOST_AUTO_TEST_CASE(on_a_processor) {
-    check_job({"whole", compute({"--with", "triangle"}), {}}, 8);
+    check_job({"whole", compute({"--with", "triangle"}), {}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(on_a_gpu) {
-    check_job({"whole as on a GPU", compute({"--with", "triangle"}), {as_gpu}}, 8);
+    check_job({"whole as on a GPU", compute({"--with", "triangle"}), {as_gpu}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(with_all_outputs) {
-    check_job({"all outputs", compute({"--with", all_outputs}), {}}, 6);
+    check_job({"all outputs", compute({"--with", all_outputs}), {}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(with_all_outputs_on_a_gpu) {
-    check_job({"all outputs as on a GPU", compute({"--with", all_outputs}), {as_gpu}}, 6);
+    check_job({"all outputs as on a GPU", compute({"--with", all_outputs}), {as_gpu}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(at_points) {
-    check_job({"points", query(searched_points), {}}, 6);
+    check_job({"points", query(searched_points), {}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(at_points_on_a_gpu) {
-    check_job({"points as on a GPU", query(searched_points), {as_gpu}}, 6);
+    check_job({"points as on a GPU", query(searched_points), {as_gpu}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(at_many_points) {
-    check_job({"many points", query(many_points), {}}, 6);
+    check_job({"many points", query(many_points), {}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(in_slabs) {
-    check_job({"slabs", compute_in_slabs(), {small_device}}, 7);
+    check_job({"slabs", compute_in_slabs(), {small_device}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(in_slabs_on_a_gpu) {
-    check_job({"slabs as on a GPU", compute_in_slabs(), {as_gpu, small_device}}, 7);
+    check_job({"slabs as on a GPU", compute_in_slabs(), {as_gpu, small_device}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(slice_by_slice) {
-    check_job({"slices", compute({"--polyhedra", "mauch"}), {}}, 6);
+    check_job({"slices", compute({"--polyhedra", "mauch"}), {}}, wanted);
 }
 
 BOOST_AUTO_TEST_CASE(while_it_draws) {
@@ -243,7 +246,7 @@ BOOST_AUTO_TEST_CASE(while_it_draws) {
     std::vector<std::string> arguments = compute();
     arguments.insert(arguments.end(), {"-o", field, "--quiet"});
     BOOST_REQUIRE(run_command(arguments).status == 0);
-    check_job({"render", {"render", field, "--size", "64x48"}, {}, ".png"}, 6);
+    check_job({"render", {"render", field, "--size", "64x48"}, {}, ".png"}, wanted);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -30,18 +30,17 @@ struct Mapping {
     std::unique_ptr<std::byte[]> copy;  ///< none if the buffer has memory of the host's
 };
 
-/// A buffer of a GPU.
 struct Buffer {
     std::size_t bytes;
-    bool is_used = false;  ///< by a command: it has memory
+    bool is_used = false;  ///< it has memory: that of a GPU gets it when a command uses it
 };
 
 struct Memory {
     std::mutex mutex;
+    std::map<cl_mem, unsigned> owners;  ///< callers, who retain and release, and parts; a driver counts commands, too
     std::map<cl_mem, Buffer> buffers;
     std::map<cl_mem, cl_mem> wholes;  ///< of sub-buffers
     std::map<cl_kernel, std::map<cl_uint, cl_mem>> arguments;
-    std::uint64_t bytes = 0;                   ///< of the buffers that are used
     std::map<cl_mem, std::byte*> host_memory;  ///< of buffers that were made with CL_MEM_USE_HOST_PTR
     std::multimap<const void*, Mapping> mappings;
     std::set<cl_event> pinned_reads;  ///< that nobody has waited for
@@ -56,17 +55,21 @@ void check_in(cl_mem buffer, std::byte* host) {
     if (host != nullptr) memory().host_memory[buffer] = host;
 }
 
-/// Before the last of its owners releases it.
+/// Before one of its owners releases it: the last one, with the whole that it is a part of.
 void check_out(cl_mem buffer) {
-    cl_uint owners = 0;
-    CLSDF_NEXT(clGetMemObjectInfo)(buffer, CL_MEM_REFERENCE_COUNT, sizeof owners, &owners, nullptr);
-    if (owners != 1) return;
     const std::scoped_lock lock(memory().mutex);
-    memory().host_memory.erase(buffer);
-    memory().wholes.erase(buffer);
-    if (const auto found = memory().buffers.find(buffer); found != memory().buffers.end()) {
-        if (found->second.is_used) memory().bytes -= found->second.bytes;
-        memory().buffers.erase(found);
+    while (buffer != nullptr) {
+        const auto owners = memory().owners.find(buffer);
+        if (owners == memory().owners.end() || --owners->second > 0) return;
+        memory().owners.erase(owners);
+        memory().host_memory.erase(buffer);
+        if (const auto found = memory().buffers.find(buffer); found != memory().buffers.end()) {
+            if (found->second.is_used) count_memory(-static_cast<std::int64_t>(found->second.bytes));
+            memory().buffers.erase(found);
+        }
+        const auto whole = memory().wholes.find(buffer);
+        buffer = whole == memory().wholes.end() ? nullptr : whole->second;
+        if (whole != memory().wholes.end()) memory().wholes.erase(whole);
     }
 }
 
@@ -76,8 +79,8 @@ cl_int use_under_lock(cl_mem buffer) {
     if (!is_usable(buffer)) return CL_INVALID_OPERATION;
     const auto found = memory().buffers.find(buffer);
     if (found == memory().buffers.end() || found->second.is_used) return CL_SUCCESS;
-    if (memory().bytes + found->second.bytes > record().settings.memory) return CL_MEM_OBJECT_ALLOCATION_FAILURE;
-    memory().bytes += found->second.bytes;
+    if (record().bytes + found->second.bytes > record().settings.memory) return CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    count_memory(static_cast<std::int64_t>(found->second.bytes));
     found->second.is_used = true;
     count([](Counts& counts) { ++counts.first_uses; });
     return CL_SUCCESS;
@@ -87,6 +90,14 @@ std::byte* host_memory_of(cl_mem buffer) {
     const std::scoped_lock lock(memory().mutex);
     const auto found = memory().host_memory.find(buffer);
     return found == memory().host_memory.end() ? nullptr : found->second;
+}
+
+/// A new buffer with memory of the device.
+void note_buffer(cl_mem buffer, std::size_t bytes, bool is_used) {
+    const std::scoped_lock lock(memory().mutex);
+    memory().owners[buffer] = 1;
+    memory().buffers[buffer] = {bytes, is_used};
+    if (is_used) count_memory(static_cast<std::int64_t>(bytes));
 }
 
 cl_mem create_on_gpu(cl_context context, cl_mem_flags flags, std::size_t bytes, void* host, cl_int* error) {
@@ -103,10 +114,7 @@ cl_mem create_on_gpu(cl_context context, cl_mem_flags flags, std::size_t bytes, 
     const cl_mem buffer = CLSDF_NEXT(clCreateBuffer)(context, flags, bytes, const_cast<void*>(from), error);
     if (buffer != nullptr && uses_host) check_in(buffer, static_cast<std::byte*>(host));
     if (buffer == nullptr) return buffer;
-    const std::scoped_lock lock(memory().mutex);
-    const bool is_used = host != nullptr;  // it holds the host's data
-    memory().buffers[buffer] = {bytes, is_used};
-    if (is_used) memory().bytes += bytes;
+    note_buffer(buffer, bytes, host != nullptr);  // else it does not hold data
     return buffer;
 }
 
@@ -249,6 +257,7 @@ cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, std::size_t bytes,
     const cl_mem buffer = is_gpu() ? create_on_gpu(context, flags, bytes, host, error)
                                    : CLSDF_NEXT(clCreateBuffer)(context, flags, bytes, host, error);
     if (buffer == nullptr) return buffer;
+    if (!is_gpu() && (flags & CL_MEM_USE_HOST_PTR) == 0) note_buffer(buffer, bytes, true);
     count([&](Counts& counts) {
         ++counts.allocations;
         counts.allocated_bytes += bytes;
@@ -267,11 +276,22 @@ cl_mem clCreateSubBuffer(cl_mem buffer, cl_mem_flags flags, cl_buffer_create_typ
     const cl_mem part = CLSDF_NEXT(clCreateSubBuffer)(buffer, flags, type, region, error);
     if (std::byte* const host = host_memory_of(buffer); host != nullptr && part != nullptr)
         check_in(part, host + static_cast<const cl_buffer_region*>(region)->origin);
-    if (is_gpu() && part != nullptr) {
+    if (part != nullptr) {
         const std::scoped_lock lock(memory().mutex);
+        memory().owners[part] = 1;
+        ++memory().owners[buffer];
         memory().wholes[part] = buffer;
     }
     return part;
+}
+
+cl_int clRetainMemObject(cl_mem buffer) {
+    const InCall in_call;
+    {
+        const std::scoped_lock lock(memory().mutex);
+        if (const auto owners = memory().owners.find(buffer); owners != memory().owners.end()) ++owners->second;
+    }
+    return CLSDF_NEXT(clRetainMemObject)(buffer);
 }
 
 cl_int clReleaseMemObject(cl_mem buffer) {

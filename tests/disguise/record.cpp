@@ -125,6 +125,10 @@ InCall::~InCall() {
     if (--host_time.depth == 0 && is_timed()) host_time.since = processor_time();
 }
 
+bool is_in_call() {
+    return host_time.depth > 0;
+}
+
 void time_host() {
     cost_of_clock();
     timed_thread = std::this_thread::get_id();
@@ -158,6 +162,13 @@ cl_int begin(const char* call, cl_int* status) {
     return fault.code;
 }
 
+void count_memory(std::int64_t more) {
+    Record& all = record();
+    const std::scoped_lock lock(all.mutex);
+    all.bytes += static_cast<std::uint64_t>(more);
+    all.counts.peak_bytes = std::max(all.counts.peak_bytes, all.bytes);
+}
+
 void count_launch(const std::string& kernel, std::uint64_t work_items) {
     Record& all = record();
     const std::scoped_lock lock(all.mutex);
@@ -184,6 +195,7 @@ void restart(const Fault& fault) {
     const std::scoped_lock lock(record().mutex);
     record().fault = fault;
     record().counts = {};
+    record().counts.peak_bytes = record().bytes;
     record().latest_kernel.clear();
 }
 
@@ -203,6 +215,7 @@ std::string to_json(const Counts& counts) {
     json["allocations"] = counts.allocations;
     json["first_uses"] = counts.first_uses;
     json["allocated_bytes"] = counts.allocated_bytes;
+    json["peak_bytes"] = counts.peak_bytes;
     json["programs_built"] = counts.programs_built;
     if (counts.host_ns > 0) json["host_ns"] = counts.host_ns;
     json["all_calls"] = counts.all_calls;

@@ -6,6 +6,7 @@
 #include <CL/cl.h>
 #include <dlfcn.h>
 #include <cstddef>
+#include <cstdint>
 #include <mutex>
 #include <string>
 
@@ -29,6 +30,7 @@ struct Record {
     Settings settings;
     Fault fault;
     Counts counts;
+    std::uint64_t bytes = 0;  ///< of buffers, now
     std::string latest_kernel;
 };
 /// Never destroyed: the driver's threads may outlive it.
@@ -75,6 +77,9 @@ inline void count_down(std::uint64_t bytes) {
         counts.bytes_down += bytes;
     });
 }
+
+/// Buffers have so many bytes more, or fewer.
+void count_memory(std::int64_t more);
 
 void count_launch(const std::string& kernel, std::uint64_t work_items);
 

@@ -42,20 +42,26 @@ clsdf_between(disguise_moving_points)
 clsdf_test(disguise_pinned_reads pinned_reads.cpp LABELS disguise device LINK clsdf_disguise OpenCL::OpenCL)
 clsdf_between(disguise_pinned_reads)
 
-# Kernels that fail, on a processor and as on a GPU: a sample, and with -C nightly each of them.
-clsdf_test_program(disguise_failing_kernels failing_kernels.cpp)
-target_link_libraries(test_disguise_failing_kernels PRIVATE clsdf_disguise OpenCL::OpenCL)
+# Kernels that fail, and calls of OpenCL, on a processor and as on a GPU: a sample, and with -C nightly each of them.
+clsdf_test_program(disguise_failing failing_kernels.cpp failing_calls.cpp uses.cpp row_uses.cpp)
+target_link_libraries(test_disguise_failing PRIVATE clsdf_disguise OpenCL::OpenCL)
+# clsdf_failing(<name> <device> <cases> <environment> [<configuration>])
+function(clsdf_failing name device cases environment)
+  add_test(NAME ${name} COMMAND test_disguise_failing --color_output=no --run_test=${cases} CONFIGURATIONS ${ARGN})
+  clsdf_between(${name})
+  set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT CLSDF_DISGUISE=${device} ${environment})
+  set_tests_properties(${name} PROPERTIES LABELS "disguise;device;calls")
+  if(ARGN)
+    set_tests_properties(${name} PROPERTIES TIMEOUT 3600 LABELS "disguise;device;calls;nightly")
+  endif()
+endfunction()
 foreach(device processor gpu)
-  foreach(kernels failing every_failing)
-    set(name disguise_${kernels}_kernels_${device})
-    add_test(NAME ${name} COMMAND test_disguise_failing_kernels --color_output=no
-             CONFIGURATIONS $<$<STREQUAL:${kernels},every_failing>:nightly>)
-    clsdf_between(${name})
-    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT CLSDF_FAULT_SEED=1 CLSDF_DISGUISE=${device})
-    set_tests_properties(${name} PROPERTIES LABELS "disguise;device;calls")
+  clsdf_failing(disguise_failing_kernels_${device} ${device} failing_kernels CLSDF_FAULT_SEED=1)
+  clsdf_failing(disguise_failing_calls_${device} ${device} failing_calls CLSDF_FAULT_SEED=1)
+  foreach(part RANGE 7)
+    clsdf_failing(disguise_every_failing_kernel_${device}_${part} ${device} failing_kernels CLSDF_FAULT_PART=${part}/8 nightly)
+    clsdf_failing(disguise_every_failing_call_${device}_${part} ${device} failing_calls CLSDF_FAULT_PART=${part}/8 nightly)
   endforeach()
-  set_property(TEST disguise_every_failing_kernels_${device} APPEND PROPERTY ENVIRONMENT CLSDF_FAULT_EVERY=1)
-  set_tests_properties(disguise_every_failing_kernels_${device} PROPERTIES TIMEOUT 3600 LABELS "disguise;device;calls;nightly")
 endforeach()
 
 # PoCL answers as other drivers do.
@@ -74,6 +80,18 @@ clsdf_with_cuda_stand_in(cuda_arrays_without_semaphores memory)
 set_tests_properties(cuda_arrays_without_semaphores PROPERTIES LABELS "cuda;disguise")
 
 clsdf_with_cuda_stand_in(code_for_amrex_cuda memory+semaphores)
+
+# What jobs ask of a device, and their memory, as numbers in work_counts.tsv. CLSDF_WRITE_COUNTS=1 writes them there.
+clsdf_test_program(disguise_work_counts work_counts.cpp host_memory.cpp)
+target_link_libraries(test_disguise_work_counts PRIVATE clsdf_disguise OpenCL::OpenCL)
+target_compile_definitions(test_disguise_work_counts PRIVATE CLSDF_SOURCE="${PROJECT_SOURCE_DIR}")
+foreach(device processor gpu)
+  set(name disguise_work_counts_${device})
+  add_test(NAME ${name} COMMAND test_disguise_work_counts --color_output=no)
+  clsdf_between(${name})
+  set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT CLSDF_DISGUISE=${device} CLSDF_SELF_TEST=0)
+  set_tests_properties(${name} PROPERTIES LABELS "disguise;plans;segments;scenes;cutting;points;bricks")
+endforeach()
 
 # The program behind scripts/gpu-counts.
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
@@ -114,7 +132,7 @@ if(TARGET clsdf_command)
     test_disguise_faults PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>"
                                  CLSDF_DISGUISE_LIBRARY="$<TARGET_FILE:clsdf_disguise>")
   target_link_libraries(test_disguise_faults PRIVATE clsdf_disguise nlohmann_json::nlohmann_json)
-  # About 200 processes. The seed is fixed, so that no change fails by chance; the nightly test leaves no call out.
+  # Some 60 processes. The seed is fixed, so that no change fails by chance; the nightly tests leave no call out.
   set_tests_properties(disguise_faults PROPERTIES TIMEOUT 900 ENVIRONMENT CLSDF_FAULT_SEED=1)
 
   # Drivers that are not registered. The second of two in a process is oclgrind: LLVM ends a process with two of PoCL.
@@ -135,10 +153,15 @@ if(TARGET clsdf_command)
            COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:clsdf_command>
                    -DLIBRARY=$<TARGET_FILE:clsdf_disguise> -P ${CMAKE_CURRENT_LIST_DIR}/complete.cmake)
   set_tests_properties(disguise_is_complete PROPERTIES LABELS disguise)
-  add_test(NAME disguise_every_fault COMMAND test_disguise_faults --color_output=no CONFIGURATIONS nightly)
-  set_tests_properties(disguise_every_fault PROPERTIES ENVIRONMENT CLSDF_FAULT_EVERY=1 TIMEOUT 14400
-                                                       LABELS "disguise;device;command;nightly")
-  set_tests_properties(disguise_faults disguise_every_fault
+  set(every_fault "")
+  foreach(case on_a_processor on_a_gpu with_all_outputs with_all_outputs_on_a_gpu at_points at_points_on_a_gpu at_many_points in_slabs
+               in_slabs_on_a_gpu slice_by_slice while_it_draws)
+    set(name disguise_every_fault_${case})
+    add_test(NAME ${name} COMMAND test_disguise_faults --color_output=no --run_test=*/*/${case} CONFIGURATIONS nightly)
+    set_tests_properties(${name} PROPERTIES ENVIRONMENT CLSDF_FAULT_EVERY=1 TIMEOUT 7200 LABELS "disguise;device;command;nightly")
+    list(APPEND every_fault ${name})
+  endforeach()
+  set_tests_properties(disguise_faults ${every_fault}
                        PROPERTIES ENVIRONMENT_MODIFICATION ASAN_OPTIONS=string_append::verify_asan_link_order=0)
 endif()
 
