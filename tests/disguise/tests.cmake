@@ -191,13 +191,20 @@ if(TARGET test_conformance_distances)
   set_tests_properties(disguise_conformance_distances PROPERTIES FIXTURES_REQUIRED conformance)
 endif()
 
-# Kernels that only a GPU runs, on oclgrind, which calls itself a processor (tests/races).
+# Kernels that only a GPU runs, on oclgrind, which calls itself a processor (tests/races). It does not know a mark that
+# LLVM's inlining leaves in the kernels of cut cells (llvm.experimental.noalias.scope.decl), so these are not optimised.
 if(TARGET test_races AND CLSDF_OCLGRIND_DRIVER)
   clsdf_disguised(races --run_test=*_of_a_gpu)
-  set_property(TEST disguise_races APPEND PROPERTY ENVIRONMENT CLSDF_CACHE_DIR= CLSDF_SELF_TEST=0 OCLGRIND_DATA_RACES=1
-                                                   OCLGRIND_CHECK_API=1 OCL_ICD_VENDORS=${CLSDF_OCLGRIND_DRIVER})
-  set_tests_properties(disguise_races PROPERTIES FAIL_REGULAR_EXPRESSION "data race;Invalid;Error;OCLGRIND"
-                                                 PASS_REGULAR_EXPRESSION "No errors detected" TIMEOUT 900)
+  add_test(NAME disguise_races_of_cut_cells COMMAND test_races --color_output=no --run_test=cut_cells_in_memory_of_one)
+  clsdf_between(disguise_races_of_cut_cells)
+  set_property(TEST disguise_races_of_cut_cells APPEND PROPERTY ENVIRONMENT CLSDF_DISGUISE=gpu OCLGRIND_BUILD_OPTIONS=-cl-opt-disable)
+  set_property(TEST disguise_races_of_cut_cells PROPERTY LABELS "cutting;disguise")
+  foreach(test disguise_races disguise_races_of_cut_cells)
+    set_property(TEST ${test} APPEND PROPERTY ENVIRONMENT CLSDF_CACHE_DIR= CLSDF_SELF_TEST=0 OCLGRIND_DATA_RACES=1
+                                              OCLGRIND_CHECK_API=1 OCL_ICD_VENDORS=${CLSDF_OCLGRIND_DRIVER})
+    set_tests_properties(${test} PROPERTIES FAIL_REGULAR_EXPRESSION "data race;Invalid;Error;OCLGRIND"
+                                            PASS_REGULAR_EXPRESSION "No errors detected" TIMEOUT 900)
+  endforeach()
 endif()
 
 # and, with -C nightly (scripts/on-disguise), all that use a device, and a sample of the acceptance list: as_gpu_<test>.

@@ -16,6 +16,8 @@
 #include "launch/programs.hpp"
 #include "launch/radix_sort.hpp"
 
+#include <clsdf/fractions.hpp>
+#include <clsdf/outer.hpp>
 #include <clsdf/papers.hpp>
 #include <clsdf/tuning.hpp>
 
@@ -260,6 +262,29 @@ BOOST_AUTO_TEST_CASE(links_and_exact_signs_of_a_gpu) {
     const Field field = gpu.compute(grid, band);
     for (std::size_t n = 0; n < grid.sample_count(); ++n)
         BOOST_TEST((field.distance()[n] < 0) == found.inside.is_inside(n));
+}
+
+BOOST_AUTO_TEST_CASE(cut_cells_in_memory_of_one) {
+    const device::Context& context = device::context_of(test_device());
+    const cl::CommandQueue queue(context.context(), context.device());
+    const OuterSurface surface = outer(tilted(cube(1)));
+    const Grid grid = around_cube(4, 0.8);
+    const Fractions expected = fractions(surface, grid);
+    const std::size_t rows = expected.cells.size();
+    const cl::Buffer cells(context.context(), CL_MEM_READ_WRITE, 3 * rows * sizeof(std::int32_t)),
+        volume(context.context(), CL_MEM_READ_WRITE, rows * sizeof(double));
+    std::size_t count = 0;
+    fractions(test_device(), surface, grid, {.room = rows, .cells = cells(), .volume = volume()}, count);
+    BOOST_REQUIRE(count == rows);
+    std::vector<std::int32_t> found_cells(3 * rows);
+    std::vector<double> found_volume(rows);
+    queue.enqueueReadBuffer(cells, CL_TRUE, 0, found_cells.size() * sizeof(std::int32_t), found_cells.data());
+    queue.enqueueReadBuffer(volume, CL_TRUE, 0, rows * sizeof(double), found_volume.data());
+    for (std::size_t n = 0; n < rows; ++n) {
+        BOOST_TEST(found_volume[n] == expected.cells[n].volume);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            BOOST_TEST(found_cells[3 * n + axis] == expected.cells[n].cell[axis]);
+    }
 }
 
 BOOST_AUTO_TEST_CASE(groups_that_share_a_list) {
