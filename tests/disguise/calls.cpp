@@ -65,8 +65,6 @@ extern "C" {
 CLSDF_PASS_INFO(clGetContextInfo, cl_context, cl_context_info)
 CLSDF_PASS_INFO(clGetCommandQueueInfo, cl_command_queue, cl_command_queue_info)
 CLSDF_PASS_INFO(clGetMemObjectInfo, cl_mem, cl_mem_info)
-CLSDF_PASS(clSetMemObjectDestructorCallback, (cl_mem buffer, void(CL_CALLBACK* notify)(cl_mem, void*), void* user),
-           buffer, notify, user)
 CLSDF_PASS_INFO(clGetProgramInfo, cl_program, cl_program_info)
 CLSDF_PASS_INFO(clGetKernelInfo, cl_kernel, cl_kernel_info)
 CLSDF_PASS_INFO(clGetEventProfilingInfo, cl_event, cl_profiling_info)

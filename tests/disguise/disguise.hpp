@@ -46,7 +46,9 @@ struct Settings {
     bool external_memory = false;      ///< a GPU takes memory of the stand-in for CUDA's driver (cuda/driver.cpp)
     bool external_semaphores = false;  ///< and shares semaphores with it
     bool unshared_semaphores = false;  ///< whose signals do not reach the other driver, with external_semaphores
-    bool ends_late = false;  ///< commands that have ended are said to run: waits do not depend on the time
+    /// What depends on the driver's threads is the same in each run: commands that have ended are said to run, and the
+    /// functions for buffers that are gone are called by restart().
+    bool ends_late = false;
     std::uint64_t memory =
         UINT64_MAX;  ///< bytes of a GPU; a first use beyond fails with CL_MEM_OBJECT_ALLOCATION_FAILURE
 };

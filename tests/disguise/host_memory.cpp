@@ -43,7 +43,8 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
         if (bytes >= least_array) ++found.arrays;
     }
     const auto first = reinterpret_cast<std::uintptr_t>(memory) + sizeof(Head);
-    std::byte* const block = static_cast<std::byte*>(memory) + sizeof(Head) + (alignment - first % alignment) % alignment;
+    std::byte* const block =
+        static_cast<std::byte*>(memory) + sizeof(Head) + (alignment - first % alignment) % alignment;
     std::memcpy(block - sizeof(Head), &head, sizeof head);
     return block;
 }

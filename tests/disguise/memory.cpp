@@ -35,6 +35,13 @@ struct Buffer {
     bool is_used = false;  ///< it has memory: that of a GPU gets it when a command uses it
 };
 
+/// A buffer that is gone, and the function to be told.
+struct Release {
+    void(CL_CALLBACK* notify)(cl_mem, void*);
+    cl_mem buffer;
+    void* user;
+};
+
 struct Memory {
     std::mutex mutex;
     std::map<cl_mem, unsigned> owners;  ///< callers, who retain and release, and parts; a driver counts commands, too
@@ -44,6 +51,7 @@ struct Memory {
     std::map<cl_mem, std::byte*> host_memory;  ///< of buffers that were made with CL_MEM_USE_HOST_PTR
     std::multimap<const void*, Mapping> mappings;
     std::set<cl_event> pinned_reads;  ///< that nobody has waited for
+    std::vector<Release> late;        ///< of Settings::ends_late
 };
 Memory& memory() {
     static auto* const only = new Memory;
@@ -193,7 +201,22 @@ cl_int unmap_on_gpu(cl_command_queue queue, cl_mem buffer, void* mapped, cl_uint
     return CL_SUCCESS;
 }
 
+void CL_CALLBACK release_late(cl_mem, void* release) {
+    const std::unique_ptr<Release> ended(static_cast<Release*>(release));
+    const std::scoped_lock lock(memory().mutex);
+    memory().late.push_back(*ended);
+}
+
 }  // namespace
+
+void end_late_releases() {
+    std::vector<Release> ended;
+    {
+        const std::scoped_lock lock(memory().mutex);
+        ended.swap(memory().late);
+    }
+    for (const Release& release : ended) release.notify(release.buffer, release.user);
+}
 
 cl_int use(cl_mem buffer) {
     const std::scoped_lock lock(memory().mutex);
@@ -298,6 +321,17 @@ cl_int clReleaseMemObject(cl_mem buffer) {
     const InCall in_call;
     check_out(buffer);
     return CLSDF_NEXT(clReleaseMemObject)(buffer);
+}
+
+cl_int clSetMemObjectDestructorCallback(cl_mem buffer, void(CL_CALLBACK* notify)(cl_mem, void*), void* user) {
+    const InCall in_call;
+    if (const cl_int code = begin("clSetMemObjectDestructorCallback")) return code;
+    if (!record().settings.ends_late || notify == nullptr)
+        return CLSDF_NEXT(clSetMemObjectDestructorCallback)(buffer, notify, user);
+    auto release = std::make_unique<Release>(Release{notify, buffer, user});
+    const cl_int code = CLSDF_NEXT(clSetMemObjectDestructorCallback)(buffer, release_late, release.get());
+    if (code == CL_SUCCESS) release.release();
+    return code;
 }
 
 void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags flags,

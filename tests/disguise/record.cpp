@@ -192,6 +192,7 @@ Counts counts() {
 }
 
 void restart(const Fault& fault) {
+    end_late_releases();
     const std::scoped_lock lock(record().mutex);
     record().fault = fault;
     record().counts = {};

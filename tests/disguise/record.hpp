@@ -81,6 +81,9 @@ inline void count_down(std::uint64_t bytes) {
 /// Buffers have so many bytes more, or fewer.
 void count_memory(std::int64_t more);
 
+/// Calls the functions that Settings::ends_late has put off.
+void end_late_releases();
+
 void count_launch(const std::string& kernel, std::uint64_t work_items);
 
 /// For a call that gives an object and has failed.
