@@ -424,8 +424,7 @@ void tell_of_wsl(const std::vector<DeviceInfo>& devices) {
     if (!has_gpu && std::filesystem::exists(gpu, error))
         print_text(
             "This is WSL2, by {}: a GPU of Intel computes if its driver is installed (Debian: intel-opencl-icd) and "
-            "the "
-            "GPU has double precision; NVIDIA and AMD have no OpenCL driver for WSL2, and processors compute.\n",
+            "the GPU has double precision; NVIDIA and AMD have no OpenCL driver for WSL2, and processors compute.\n",
             gpu.string());
 }
 

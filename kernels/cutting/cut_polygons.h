@@ -58,9 +58,15 @@ CUT_INLINE CellRange cells_between(double least, double most, clsdf_int64 first,
     return range;
 }
 
+// The whole number that is nearest; of two the higher one, whatever they are: a cell's number is no part of its bytes.
+CUT_INLINE double nearest_plane(double x) {
+    const double plane = rint(x);
+    return x - plane == 0.5 ? plane + 1 : plane;
+}
+
 // A coordinate so far from a plane.
 CUT_INLINE void set_coordinate(__private CutPoint* point, int axis, double plane, double from_plane) {
-    const double planes = rint(from_plane);
+    const double planes = nearest_plane(from_plane);
     point->whole[axis] = plane + planes;
     point->part[axis] = from_plane - planes;
 }
@@ -72,7 +78,7 @@ CUT_INLINE bool place_coordinate(__private const CutGrid* grid, int axis, double
     // The difference and what its rounding took away (D. Knuth).
     const double from = x - origin, subtracted = from - x;
     const double rest = (x - (from - subtracted)) - (origin + subtracted);
-    const double cells = from / spacing, plane = rint(cells);
+    const double cells = from / spacing, plane = nearest_plane(cells);
     set_coordinate(point, axis, plane, (fma(-plane, spacing, from) + rest) / spacing);
     const double tolerance = cells == plane ? greater_of(grid->snap, CLSDF_ROUNDED_ONTO_PLANE) : grid->snap;
     if (fabs(point->part[axis]) <= tolerance) point->part[axis] = 0;

@@ -439,6 +439,36 @@ BOOST_AUTO_TEST_CASE(cells_have_the_same_bytes_wherever_their_numbers_begin) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(vertices_half_way_between_planes_have_the_same_bytes_under_odd_numbers_too) {
+    Random random(7);
+    std::vector<Vec3> vertices;
+    // Half cells, among others.
+    for (int n = 0; n < 60; ++n) vertices.push_back(random.point(0, 8));
+    for (std::size_t n = 0; n < vertices.size(); ++n)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if ((n + axis) % 3 != 0) vertices[n][axis] = std::floor(vertices[n][axis]) + 0.5;
+    std::vector<Mesh> tetrahedra;
+    for (std::uint32_t n = 0; n + 3 < vertices.size(); n += 4) {
+        const Mesh one({vertices[n], vertices[n + 1], vertices[n + 2], vertices[n + 3]},
+                       {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
+        tetrahedra.push_back(one);
+    }
+    std::size_t cells = 0;
+    for (const Mesh& mesh : tetrahedra) {
+        const OuterSurface surface = outer(mesh);
+        const Grid near{{-1, -1, -1}, {1, 1, 1}, {11, 11, 11}};
+        const Fractions known = fractions(surface, near);
+        cells += known.cells.size();
+        for (const std::int64_t first : {1, 3, 1001, 99999}) {
+            Grid far = near;
+            far.first = {first, first, first};
+            for (double& x : far.origin) x -= static_cast<double>(first);
+            check_same_cells(known, fractions(surface, far));
+        }
+    }
+    BOOST_TEST(cells > 500U);
+}
+
 BOOST_AUTO_TEST_CASE(a_body_far_from_sample_0_has_the_bytes_of_one_near_it) {
     // Coordinates with few digits, so that the other body is the same one.
     Mesh ball = make_shape("sphere3");
