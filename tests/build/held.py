@@ -24,8 +24,12 @@ names = TESTS.get(tree.name, [])
 if "-C" in sys.argv:
     names = []
 if "--show-only=json-v1" in sys.argv:
+    gone = pathlib.Path("outcome", "gone")
+    names = [n for n in names if not gone.exists() or n not in gone.read_text()]
     print(json.dumps({"tests": [{"name": n + "_test", "properties": [{"name": "LABELS", "value": [n]}]} for n in names]}))
     sys.exit()
+if pathlib.Path("outcome", "dies").exists():
+    sys.exit(8)
 wanted = re.compile(sys.argv[sys.argv.index("-R") + 1])
 with open("calls.txt", "a") as calls:
     for number, name in enumerate(n for n in names if wanted.match(n + "_test")):
@@ -33,6 +37,7 @@ with open("calls.txt", "a") as calls:
         calls.flush()
         outcome = pathlib.Path("outcome", tree.name, name)
         text = outcome.read_text().strip() if outcome.exists() else "Passed"
+        print(f"      Start {number}: {name}_test", flush=True)
         if text == "hangs":
             time.sleep(60)
         print(f"    {number + 1}/9 Test #{number}: {name}_test ....   {text}    0.25 sec", flush=True)
@@ -50,7 +55,7 @@ class Held(unittest.TestCase):
         self.file("lib/points/a.cpp", '#include "core/a.hpp"\n')
         self.file("lib/segments/a.cpp", '#include "points/a.hpp"\n')
         self.file(".gitignore", "/build/\n/programs/\n/outcome/\n/calls.txt\n/home/\n")
-        for name, text in (("ctest", CTEST.replace("TESTS", repr(TESTS))), ("cmake", "#!/bin/sh\n")):
+        for name, text in (("ctest", CTEST.replace("TESTS", repr(TESTS))), ("cmake", "#!/bin/sh\n[ \"$1\" != --build ] || [ ! -e outcome/unbuilt ]\n")):
             self.file(f"programs/{name}", text)
             (self.tree / "programs" / name).chmod(0o755)
         self.git("init", "--quiet", "--initial-branch=main")
@@ -134,11 +139,46 @@ class Held(unittest.TestCase):
         self.night(kinds=["release"])
         self.assertEqual({row[2] for row in self.rows().values()}, {"passed"})
 
-    def test_rows_of_changed_sources_are_not_written(self):
+    def test_a_test_that_is_longer_than_a_run_waits_for_a_longer_one(self):
+        self.file("outcome/release/core", "hangs")
+        self.night("--minutes", "0.1", kinds=["release"])
+        self.assertGreater(float(self.rows()["release", "core_test"][1]), 1)
+        self.calls()
+        run = self.night("--minutes", "0.05", kinds=["release"])
+        self.assertEqual(self.calls(), ["release points", "release segments"])
+        self.assertEqual(run.returncode, 3, run.stdout)
+        self.assertIn("NOT RUN: 1 rows", run.stdout)
+
+    def test_nothing_is_written_while_sources_are_changed(self):
         self.file("lib/points/a.cpp", "int changed;\n")
         run = self.night(kinds=["release"])
         self.assertIn("not written", run.stdout)
-        self.assertEqual({row[2] for row in self.rows().values()}, {"waiting"})
+        self.assertFalse((self.tree / "benchmarks/HELD.tsv").exists())
+
+    def test_what_cannot_be_built_or_run_fails_and_keeps_its_seconds(self):
+        self.night(kinds=["release"])
+        for way in ("unbuilt", "dies"):
+            self.file(f"outcome/{way}", "")
+            run = self.night(kinds=["release"])
+            self.assertEqual(run.returncode, 1, run.stdout)
+            self.assertEqual({(row[1], row[2].split(" at ")[0]) for row in self.rows().values()}, {("0.2", "failed")})
+            (self.tree / "outcome" / way).unlink()
+            self.night(kinds=["release"])
+            self.assertEqual({row[2] for row in self.rows().values()}, {"passed"})
+
+    def test_a_skipped_test_stays_failed_and_one_that_this_machine_lacks_keeps_its_row(self):
+        self.file("outcome/release/core", "***Failed")
+        self.night(kinds=["release"])
+        self.file("outcome/release/core", "***Skipped")
+        self.file("outcome/gone", "points")
+        self.night(kinds=["release"])
+        rows = self.rows()
+        self.assertTrue(rows["release", "core_test"][2].startswith("failed at"))
+        self.assertEqual(rows["release", "points_test"][2], "passed")
+        self.night("--page", kinds=["release"])
+        self.assertEqual(self.rows(), rows)
+        self.night("--forget", kinds=["release"])
+        self.assertNotIn(("release", "points_test"), self.rows())
 
     def test_rows_that_passed_too_long_ago_are_named(self):
         self.night()
@@ -153,6 +193,14 @@ class Held(unittest.TestCase):
         self.assertEqual(run.returncode, 1)
         self.assertEqual(len(run.stdout.splitlines()), 4, run.stdout)
         self.assertTrue(run.stdout.startswith("   602 commits ago: release"), run.stdout)
+
+    def test_a_commit_that_is_not_known_is_told(self):
+        self.night()
+        record = self.tree / "benchmarks/HELD.tsv"
+        record.write_text(record.read_text().replace(self.git("rev-parse", "--short=8", "HEAD"), "01234567"))
+        run = self.night("--oldest", "1", kinds=())
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("01234567 of 6 rows", run.stdout)
 
     def test_a_kind_that_is_none_is_refused(self):
         run = self.night(kinds=["nonsense"])
