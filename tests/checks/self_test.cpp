@@ -413,7 +413,8 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
     for (std::size_t n = 0; n < mutations.size(); ++n) {
         const Mutation& mutation = mutations[n];
         const Changed& change = mutation.changed;
-        if (n % parts != part) {
+        // The papers' kernels are part of the build from their first use on.
+        if (n % parts != part && change.file != "slices.cl") {
             BOOST_TEST(device::kernel_text(change.file).find(change.from) != std::string::npos,
                        "the text to be changed is no longer there: " << change.from);
             continue;

@@ -89,7 +89,7 @@ const std::vector<Use>& uses() {
         use("compute on the device",
             [](auto& used) {
                 const std::size_t samples = small_grid().sample_count();
-                const DeviceMemory memory(test_device().context(), samples);
+                const DeviceMemory memory = own([&] { return DeviceMemory(test_device().context(), samples); });
                 used.compute(small_grid(), small_band(), {{Output::distance, memory.handle()}});
                 return bytes_of_all(read_apart<float>(cl::Buffer(memory.handle(), true), samples));
             }),
@@ -171,7 +171,8 @@ const std::vector<Use>& uses() {
          }},
         {"plan",
          [] {
-             const auto memory = std::make_shared<DeviceMemory>(test_device().context(), 3 * samples_of_request);
+             const auto memory =
+                 own([] { return std::make_shared<DeviceMemory>(test_device().context(), 3 * samples_of_request); });
              const auto used = transform_of(mesh());
              const auto plan = std::make_shared<Plan>(used->plan(requests_of([&](std::size_t n) {
                  OutputArray array(memory->handle());
@@ -185,7 +186,8 @@ const std::vector<Use>& uses() {
          }},
         {"update a plan",
          [] {
-             const auto memory = std::make_shared<DeviceMemory>(test_device().context(), small_grid().sample_count());
+             const auto memory = own(
+                 [] { return std::make_shared<DeviceMemory>(test_device().context(), small_grid().sample_count()); });
              const auto used = transform_of(mesh());
              const auto plan = std::make_shared<Plan>(
                  used->plan(Request{small_grid(), small_band(), {{Output::distance, memory->handle()}}}));

@@ -36,6 +36,17 @@ const std::vector<Use>& uses_of_rows();
 /// An event of a call that does not wait.
 struct EventHasFailed {};
 
+/// A call of OpenCL that the test makes, not the library.
+struct OwnCallFailed {};
+template <class Function>
+auto own(const Function& call) {
+    try {
+        return call();
+    } catch (const cl::Error&) {
+        throw OwnCallFailed();
+    }
+}
+
 inline void wait_for(const cl::Event& done) {
     if (clWaitForEvents(1, &done()) != CL_SUCCESS) throw EventHasFailed();
 }
@@ -83,8 +94,10 @@ inline const device::Context& context() {
 
 template <class Value>
 cl::Buffer on_device(const std::vector<Value>& values) {
-    return {context().context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, values.size() * sizeof(Value),
-            const_cast<Value*>(values.data())};  // which is only read
+    return own([&] {
+        return cl::Buffer(context().context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, values.size() * sizeof(Value),
+                          const_cast<Value*>(values.data()));  // which is only read
+    });
 }
 
 inline std::shared_ptr<DistanceTransform> transform_of(const Mesh& of) {
@@ -94,10 +107,12 @@ inline std::shared_ptr<DistanceTransform> transform_of(const Mesh& of) {
 /// By the test, in a queue of its own, of what a run that has ended has written.
 template <class Value>
 std::vector<Value> read_apart(const cl::Buffer& buffer, std::size_t count) {
-    const cl::CommandQueue queue(context().context(), context().device());
-    std::vector<Value> values(count);
-    if (count > 0) queue.enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(Value), values.data());
-    return values;
+    return own([&] {
+        const cl::CommandQueue queue(context().context(), context().device());
+        std::vector<Value> values(count);
+        if (count > 0) queue.enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(Value), values.data());
+        return values;
+    });
 }
 
 /// The call of transforms that need nothing else.
