@@ -247,5 +247,6 @@ install(
   COMPONENT development
   FILES_MATCHING
   PATTERN "*.md"
+  PATTERN "HELD.tsv"
   PATTERN "peers" EXCLUDE
   PATTERN "plot" EXCLUDE)

@@ -1,3 +1,23 @@
+# Long tests take turns: a build runs those of its turn, 0 to 2, by the number of commits. With -C nightly all run, and
+# scripts/nightly keeps the record of each.
+set(CLSDF_TURN 0)
+find_package(Git QUIET)
+if(Git_FOUND)
+  execute_process(COMMAND ${GIT_EXECUTABLE} rev-list --count HEAD WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE commits
+                  OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  if(commits)
+    math(EXPR CLSDF_TURN "${commits} % 3")
+  endif()
+endif()
+
+# clsdf_turn(<turn> <variable>): the arguments of add_test() for that turn.
+function(clsdf_turn turn variable)
+  set(${variable} CONFIGURATIONS nightly PARENT_SCOPE)
+  if(turn EQUAL CLSDF_TURN)
+    set(${variable} "" PARENT_SCOPE)
+  endif()
+endfunction()
+
 # clsdf_test_defaults([<label>...]): at the end of a directory that adds tests. Every test gets these labels, a time limit,
 # and an environment in which nothing of the user's decides the outcome. A test has a label that says what it is about
 # (docs/architecture.md, "Folders"). Tests with a limit of their own are the long ones, and start first: in a new build

@@ -21,8 +21,6 @@ CTEST = """#!/usr/bin/env python3
 import json, pathlib, re, sys, time
 tree = pathlib.Path(sys.argv[sys.argv.index("--test-dir") + 1])
 names = TESTS.get(tree.name, [])
-if "-C" in sys.argv:
-    names = []
 if "--show-only=json-v1" in sys.argv:
     gone = pathlib.Path("outcome", "gone")
     names = [n for n in names if not gone.exists() or n not in gone.read_text()]

@@ -1,5 +1,4 @@
 # Promises that the build itself makes.
-find_package(Git QUIET)
 
 # The embedding does not change texts with characters that are special in CMake's lists and C++'s literals.
 set(treacherous ${CMAKE_CURRENT_BINARY_DIR}/treacherous.cl)
@@ -43,7 +42,8 @@ add_test(
           -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/needs_cxx20 -P ${CMAKE_CURRENT_LIST_DIR}/needs_cxx20.cmake)
 
 # The build with default options.
-add_test(NAME users_build COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/users_build
+clsdf_turn(2 turn)
+add_test(NAME users_build ${turn} COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/users_build
                                   -P ${CMAKE_CURRENT_LIST_DIR}/users_build.cmake)
 add_test(NAME setup COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/setup -P
                             ${CMAKE_CURRENT_LIST_DIR}/setup.cmake)

@@ -2,17 +2,8 @@ clsdf_field_test(self_test known_field.cpp LABELS checks)
 target_link_libraries(test_checks_self_test PRIVATE clsdf::papers clsdf_papers_internals)
 # Kernels that are made wrong on purpose are compiled anew.
 set_tests_properties(checks_self_test PROPERTIES TIMEOUT 900)
-# A third of them in each build, by the number of commits; with -C nightly all, in ten parts.
-set(part 0)
-find_package(Git QUIET)
-if(Git_FOUND)
-  execute_process(COMMAND ${GIT_EXECUTABLE} rev-list --count HEAD WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE commits
-                  OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-  if(commits)
-    math(EXPR part "${commits} % 3")
-  endif()
-endif()
-set_tests_properties(checks_self_test PROPERTIES ENVIRONMENT CLSDF_MUTATIONS=${part}/3)
+# A third of them in each build; with -C nightly all, in ten parts.
+set_tests_properties(checks_self_test PROPERTIES ENVIRONMENT CLSDF_MUTATIONS=${CLSDF_TURN}/3)
 foreach(part RANGE 9)
   add_test(NAME checks_mutations_${part}
            COMMAND test_checks_self_test --color_output=no
