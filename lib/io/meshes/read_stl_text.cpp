@@ -169,8 +169,8 @@ private:
         in_solid_ = false;
         std::optional<TextScanner> solid;
         while (!scanner_.at_end_of_line()) {
-            if (solid && facet_begins(scanner_)) {
-                scanner_ = *solid;
+            if (facet_begins(scanner_)) {  // in no solid, it is refused as on a line of its own
+                if (solid) scanner_ = *solid;
                 return;
             }
             const TextScanner before = scanner_;
