@@ -377,7 +377,7 @@ std::optional<std::string> why_unusable_point(const engine::PointMesh& mesh, con
     return std::nullopt;
 }
 
-/// Divided by a power of two, so that the greatest component is 1/2 to 1. What that makes 0 is too small, too.
+/// Divided by a power of two, so that the greatest component is 1/2 to 1. A component that becomes 0 is too small, too.
 bool is_exact_direction(const Vec3& direction) {
     const Vec3 scaled = times_power(direction, -exponent_of(direction));
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -1317,7 +1317,7 @@ typedef struct clsdf_link_buffers {
     }
 
 /* The caller's arrays for the edges of a grid along x, y and z, packed on the host; each may be null. There is one edge
- * less than samples on the axis; x fastest. */
+ * less than samples on the axis; x fastest. No two of them may overlap. */
 typedef struct clsdf_crossing_arrays {
     double* coordinates[3]; /* along the axis, of the first wall from the end outside; NaN if the sides agree */
     uint32_t* triangles[3]; /* from the index base on; 0xFFFFFFFF plus the base: none */
