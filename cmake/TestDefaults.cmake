@@ -18,6 +18,18 @@ function(clsdf_turn turn variable)
   endif()
 endfunction()
 
+# clsdf_take_turns(<test> COMMAND <argument>... CASES <filter 0> <filter 1> <filter 2> LABELS <label>...): the cases of a long
+# test of Boost.Test, in three tests, <test>_0 to <test>_2.
+function(clsdf_take_turns test)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "COMMAND;CASES;LABELS")
+  foreach(turn RANGE 2)
+    clsdf_turn(${turn} configurations)
+    list(GET arg_CASES ${turn} filter)
+    add_test(NAME ${test}_${turn} COMMAND ${arg_COMMAND} ${configurations})
+    set_tests_properties(${test}_${turn} PROPERTIES LABELS "${arg_LABELS}" TIMEOUT 900 ENVIRONMENT BOOST_TEST_RUN_FILTERS=${filter})
+  endforeach()
+endfunction()
+
 # clsdf_test_defaults([<label>...]): at the end of a directory that adds tests. Every test gets these labels, a time limit,
 # and an environment in which nothing of the user's decides the outcome. A test has a label that says what it is about
 # (docs/architecture.md, "Folders"). Tests with a limit of their own are the long ones, and start first: in a new build

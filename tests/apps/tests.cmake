@@ -6,26 +6,20 @@ if(TARGET clsdf_command AND CLSDF_BUILD_PICTURE)
   clsdf_test(command ${sources} LABELS command LINK clsdf::papers AS_GPU)
   # Compiles kernels for caches of its own, again and again.
   clsdf_test_program(prepare prepare.cpp)
-  set(cases commands_that_start*:kernels/are_said*:kernels/are_tested* kernels/of_queries*:kernels/are_right* kernels/of_usual*:kernels/of_bricks*:kernels/are_prepared*)
-  foreach(turn RANGE 2)
-    clsdf_turn(${turn} configurations)
-    list(GET cases ${turn} filter)
-    add_test(NAME prepare_${turn} COMMAND test_prepare --color_output=no --run_test=${filter} ${configurations})
-    set_tests_properties(prepare_${turn} PROPERTIES LABELS "command;device" TIMEOUT 900)
-  endforeach()
+  clsdf_take_turns(
+    prepare COMMAND test_prepare --color_output=no
+    CASES commands_that_start*:kernels/are_said*:kernels/are_tested* kernels/of_queries*:kernels/are_right*
+          kernels/of_usual*:kernels/of_bricks*:kernels/are_prepared*
+    LABELS command device)
   set_tests_properties(command PROPERTIES TIMEOUT 900)
   if(CLSDF_SANITIZE)
     target_compile_definitions(test_command PRIVATE CLSDF_WITHOUT_SCRATCH)
   endif()
   clsdf_test_program(growth growth.cpp)
-  # The cases take turns: each build runs a third of them.
-  set(cases faces_at_an_edge:corners_of_a_polygon faces_at_a_regular_vertex faces_at_a_saddle_vertex)
-  foreach(turn RANGE 2)
-    clsdf_turn(${turn} configurations)
-    list(GET cases ${turn} filter)
-    add_test(NAME growth_${turn} COMMAND test_growth --color_output=no --run_test=${filter} ${configurations})
-    set_tests_properties(growth_${turn} PROPERTIES LABELS "command;surface;topology;frusta" TIMEOUT 900)
-  endforeach()
+  clsdf_take_turns(
+    growth COMMAND test_growth --color_output=no
+    CASES faces_at_an_edge:corners_of_a_polygon faces_at_a_regular_vertex faces_at_a_saddle_vertex
+    LABELS command surface topology frusta)
   foreach(test command prepare growth)
     add_dependencies(test_${test} clsdf_command)
     target_compile_definitions(test_${test} PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>"
