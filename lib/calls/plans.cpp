@@ -47,9 +47,10 @@ CallStatistics DistanceTransform::State::compute_on_device(std::span<const Reque
         plan->enqueue({nullptr, call.wait_list, &done});
         const cl::Event end(done);
         const std::size_t launched = context.kernels().launched().count();
-        clWaitForEvents(1, &done);                   // PoCL 3.1 does not wake who waits for an event that fails
-        targets::wait_for(context, call.wait_list);  // its failure is not that of a kernel
+        const cl_int code = clWaitForEvents(1, &done);  // PoCL 3.1 does not wake who waits for an event that fails
+        targets::wait_for(context, call.wait_list);     // its failure is not that of a kernel
         context.wait(end, launched);
+        if (code != CL_SUCCESS) throw cl::Error(code, "clWaitForEvents");
         if (call.count_work) plan->read_counters();
         plan->statistics.field_seconds = watch.seconds();
     });

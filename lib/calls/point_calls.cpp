@@ -304,8 +304,10 @@ CallStatistics DistanceTransform::State::query_on_device(const InputArray& point
                     are_measured = true;
                 }
                 count = std::min(run->most(), asked.count - begin);
-                const targets::DeviceTargets of_part(targets::targets_from(targets, begin), targets::row_of(count),
-                                                     context());
+                const auto of_part = device::guarded([&] {
+                    return targets::DeviceTargets(targets::targets_from(targets, begin), targets::row_of(count),
+                                                  context());
+                });
                 packed.make_room(*pool, of_part, count);
                 const points::PointTimes taken = points::query_points(
                     tools(), inputs(), *run, {asked.part(begin, count), usable, are_measured ? nullptr : &asked},
