@@ -231,6 +231,8 @@ bool Context::write(const cl::CommandQueue& queue, const std::byte* from, std::s
         return capabilities_.has_own_memory && pinned_.write(queue, from, bytes, to);
     } catch (const CommandError& error) {
         throw_failed(error);
+    } catch (const cl::Error& error) {
+        throw_from_wait(error, [&] { throw_failed(CommandError(error.err())); });
     }
 }
 
