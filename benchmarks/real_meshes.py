@@ -41,7 +41,7 @@ import mesh_readers
 
 ENDINGS = {".stl", ".obj", ".off", ".ply"}
 CHUNK = 16384  # pairs of a point and a triangle whose values stay in the cache
-FORMAT = 4  # of what is kept; another number judges all files again
+FORMAT = 5  # of what is kept; another number judges all files again
 
 
 # Truth ----------------------------------------------------------------------------------------------------------------
@@ -347,6 +347,77 @@ def without_sheets(triangles, faces, counts):
     return rest
 
 
+def without_walls(positions, faces, counts):
+    """By what can be reached: how often each face counts, without walls and sheets of surfaces that have edges of three
+    faces or more. Angles around edges are in double, and faces that cross are not looked for."""
+    once = numpy.where(counts != 0, 1, 0)
+    _, first = numpy.unique(numpy.sort(faces, axis=1), axis=0, return_index=True)
+    once[numpy.setdiff1d(numpy.arange(len(faces)), first)] = 0
+    edges = Edges(faces, once)
+    at_edge = collections.defaultdict(list)  # faces, and whether they run along the edge as it is kept
+    for index, edge in enumerate(edges.edge.tolist()):
+        face = int(edges.faces[index // 3])
+        at_edge[edge].append((face, faces[face][index % 3] == edges.ends[edge][0]))
+    surface_of = parts_over([[face for face, _ in at] for at in at_edge.values()])
+    walked = {surface_of[at[0][0]] for at in at_edge.values() if len(at) > 2}
+    joins = []  # of sides: a face and whether it is the front
+    for edge, at in at_edge.items():
+        if surface_of[at[0][0]] not in walked:
+            continue
+        if len(at) > 2:
+            a, b = positions[edges.ends[edge]]
+            along = (b - a) / numpy.linalg.norm(b - a)
+            away = [positions[next(v for v in faces[face] if v not in edges.ends[edge])] - a for face, _ in at]
+            away = [one - along * (one @ along) for one in away]
+            across = numpy.cross(along, away[0])
+            angle = [numpy.arctan2(one @ across / numpy.linalg.norm(across), one @ away[0] / numpy.linalg.norm(away[0]))
+                     % (2 * numpy.pi) if n > 0 else 0 for n, one in enumerate(away)]
+            at = [at[n] for n in numpy.argsort(angle)]
+        for one, other in zip(at, at[1:] + at[:1]):
+            joins.append([one, (other[0], not other[1])])
+    region = parts_over(joins)
+    is_skin = {face for face in edges.faces.tolist()
+               if surface_of[face] in walked and region[face, True] != region[face, False]}
+    body_of = parts_over([[face for face, _ in at if face in is_skin] or [next(iter(is_skin))] for at in at_edge.values()]
+                         if is_skin else [])
+    bodies = collections.defaultdict(list)
+    for face in is_skin:
+        bodies[body_of[face]].append(face)
+    result = counts.copy()
+    result[[face for face in edges.faces.tolist() if surface_of[face] in walked and face not in is_skin]] = 0
+    for body in bodies.values():
+        corners = positions[faces[body]]
+        normal = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        # The vertex that is farthest along a direction, and of its faces one that the direction leaves by.
+        random = numpy.random.default_rng(1)
+        seen = None
+        while seen is None:
+            direction = random.normal(size=3)
+            origin = corners.mean(1)[random.integers(len(body))]
+            with numpy.errstate(all="ignore"):
+                far = numpy.einsum("ij,ij->i", corners[:, 0] - origin, normal) / (normal @ direction)
+                hit = origin + far[:, None] * direction
+                inside = numpy.isfinite(far)
+                for k in range(3):
+                    side = numpy.cross(corners[:, (k + 1) % 3] - corners[:, k], hit - corners[:, k])
+                    inside &= numpy.einsum("ij,ij->i", side, normal) > 0
+            if inside.any():
+                last = numpy.flatnonzero(inside)[far[inside].argmax()]
+                seen = region[body[last], bool(normal[last] @ direction > 0)]
+        areas = numpy.linalg.norm(normal, axis=1)
+        outwards = sum(area * ((region[face, True] == seen) - int(region[face, False] == seen))
+                       for face, area in zip(body, areas))
+        look = -1 if outwards < 0 else 1
+        is_inside = collections.Counter()
+        for face in body:
+            for front in (True, False):
+                is_inside[region[face, front]] += region[face, not front] == seen or front == (look < 0)
+        for face in body:
+            front, back = (region[face, side] != seen and is_inside[region[face, side]] > 0 for side in (True, False))
+            result[face] = look * (int(back) - int(front))
+    return result
+
+
 def sign_surface(triangles, side, are_turned, are_sheets_out):
     """The rule, how often each face counts, what was done last to get there, how many faces do not count, are turned
     and are left out, and whether the mesh itself is closed. An open mesh has the rule "open". are_turned,
@@ -383,9 +454,16 @@ def sign_surface(triangles, side, are_turned, are_sheets_out):
         if after.balanced and are_all or not edges.closed:
             done["turned"] = int((turned != counts).sum())
             counts, edges, step = turned, after, "turned"
+    if not edges.balanced and are_sheets_out and (edges.uses > 2).any():
+        without = without_walls(positions, faces, counts)
+        after = Edges(faces, without)
+        if numpy.count_nonzero(after.net) < numpy.count_nonzero(edges.net):
+            done["sheets"] = int(((without == 0) & (counts != 0)).sum())
+            done["turned"] = int((without == -counts)[without != 0].sum())
+            counts, edges, step = without, after, "sheets"
     if not edges.closed and are_sheets_out:
         without = without_sheets(triangles, faces, counts)
-        done["sheets"] = int(((without == 0) & (counts != 0)).sum())
+        done["sheets"] += int(((without == 0) & (counts != 0)).sum())
         counts, edges, step = without, Edges(faces, without), "sheets"
     return "nonzero" if edges.balanced else "parity" if edges.closed else "open", counts, step, done, is_closed
 

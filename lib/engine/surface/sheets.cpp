@@ -107,25 +107,29 @@ private:
     WindingView view_;
 };
 
-/// Whether a set of sheets encloses something outside the rest.
-bool encloses_something(const Mesh& own, const Box& box, std::size_t count, const Rest& rest) {
+/// Whether a set of sheets encloses something outside the rest; null: there is none.
+bool encloses_something(const Mesh& own, const Box& box, std::size_t count, const Rest* rest) {
     const WindingView view(own, own.triangles(), loops_of(own));
     std::vector<std::uint32_t> faces(own.triangles().size());
     for (std::uint32_t face = 0; face < faces.size(); ++face) faces[face] = face;
     // A share of the points may have such a winding number.
-    const auto has_more = [&](const std::vector<Vec3>& points, double to_half, std::size_t per_point) {
-        const std::vector<bool> are_inside = rest.are_inside(points);
+    const auto has_more = [&](const std::vector<Vec3>& points, double to_half, std::size_t per_point, bool is_beside) {
+        const std::vector<bool> are_inside =
+            rest != nullptr ? rest->are_inside(points) : std::vector<bool>(points.size());
         const std::vector<SeenWinding> seen = view.at(points);
-        std::size_t tested = 0, enclosed = 0;
+        std::size_t tested = 0, positive = 0, negative = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
             if (are_inside[i]) continue;
             ++tested;
-            enclosed += seen[i].is_inside() && seen[i].to_half >= to_half ? 1U : 0U;
+            if (seen[i].is_inside() && seen[i].to_half >= to_half) ++(seen[i].rounded > 0 ? positive : negative);
         }
+        // Sheets that look the same way have it, too, with one sign before the first and the other behind the last.
+        const std::size_t enclosed =
+            is_beside ? std::max(positive, negative) - std::min(positive, negative) : positive + negative;
         return per_point * enclosed > tested;
     };
-    return has_more(points_in(box, count), 0.1, 100) ||
-           has_more(points_beside(own, own.triangles(), faces, places), 0.4, 20);
+    return has_more(points_in(box, count), 0.1, 100, false) ||
+           has_more(points_beside(own, own.triangles(), faces, places), 0.4, 20, true);
 }
 
 }  // namespace
@@ -166,6 +170,11 @@ std::vector<bool> free_sheets(const OrientedParts& parts, std::size_t face_count
     std::vector<bool> result(face_count);
     for (std::uint32_t face = 0; face < face_count; ++face) result[face] = is_free[parts.part[face]];
     return result;
+}
+
+bool enclose_something(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const std::uint32_t> faces) {
+    const Mesh own = surface_of(mesh, triangles, faces);
+    return encloses_something(own, own.box(), most_points, nullptr);
 }
 
 Sheets find_sheets(const Mesh& mesh, std::span<const Triangle> triangles) {
@@ -221,7 +230,7 @@ Sheets find_sheets(const Mesh& mesh, std::span<const Triangle> triangles) {
     join_sets_that_meet(sets);
     const std::size_t count = std::clamp(all_points / std::max<std::size_t>(sets.size(), 1), least_points, most_points);
     for (const Set& set : sets)
-        if (encloses_something(surface_of(mesh, triangles, set.faces), set.box, count, judge)) {
+        if (encloses_something(surface_of(mesh, triangles, set.faces), set.box, count, &judge)) {
             Sheets enclosing;
             enclosing.enclosing = set.faces.size();
             enclosing.first_enclosing = *std::ranges::min_element(set.faces);

@@ -3,6 +3,7 @@
 #include "mesh/join_vertices.hpp"
 #include "surface/double_sided.hpp"
 #include "surface/parts.hpp"
+#include "surface/regions.hpp"
 #include "surface/topology.hpp"
 
 #include <algorithm>
@@ -149,6 +150,38 @@ void SurfaceSearch::orient_parts(const std::vector<DoubledFace>& doubled) {
     take_turned(faces, doubled);
 }
 
+Sheets SurfaceSearch::leave_out_walls(const std::vector<DoubledFace>& doubled) {
+    if (edges_.non_manifold == 0) return {};
+    // Faces of the same three vertices are one face, as given.
+    std::vector<Triangle> faces(given_.size());
+    for (std::uint32_t face = 0; face < faces.size(); ++face) faces[face] = given(face);
+    for (const DoubledFace& one : doubled) faces[one.face] = {};
+    const std::vector<FaceRole> roles = roles_by_reach(mesh_, faces);
+    if (roles.empty()) return {};
+    if (surface_.faces.empty()) surface_.faces.assign(triangles_.size(), SignSurface::forward);
+    if (is_turned_.empty()) is_turned_.resize(triangles_.size());
+    Sheets sheets;
+    for (std::uint32_t face = 0; face < roles.size(); ++face) {
+        const FaceRole role = roles[face];
+        if (role == FaceRole::as_before) continue;
+        if (role == FaceRole::wall || role == FaceRole::sheet) {
+            if (SignSurface::count_of(surface_.faces[face]) == 0) continue;
+            sheets.left_out.push_back(face);
+            (role == FaceRole::wall ? sheets.walls : sheets.open).push_back(face);
+            is_turned_[face] = false;
+            continue;
+        }
+        triangles_[face] = faces[face];
+        is_turned_[face] = role == FaceRole::backward;
+        surface_.faces[face] = is_turned_[face] ? SignSurface::backward : SignSurface::forward;
+        if (is_turned_[face]) turn(face);
+    }
+    leave_out(sheets.left_out);
+    direct_equal_faces(doubled);
+    count();
+    return sheets;
+}
+
 Sheets SurfaceSearch::leave_out_sheets(const std::vector<DoubledFace>& doubled) {
     Sheets sheets = find_sheets(mesh_, triangles_);
     if (sheets.left_out.empty()) return sheets;
@@ -156,15 +189,19 @@ Sheets SurfaceSearch::leave_out_sheets(const std::vector<DoubledFace>& doubled) 
     if (surface_.faces.empty()) surface_.faces.assign(triangles_.size(), SignSurface::forward);
     for (const std::uint32_t face : sheets.turned) turn(face);
     take_turned(sheets.turned, doubled);
-    is_left_out_.assign(triangles_.size(), false);
-    for (const std::uint32_t face : sheets.left_out) {
+    leave_out(sheets.left_out);
+    count();
+    return sheets;
+}
+
+void SurfaceSearch::leave_out(std::span<const std::uint32_t> faces) {
+    if (is_left_out_.empty()) is_left_out_.resize(triangles_.size());
+    for (const std::uint32_t face : faces) {
         is_left_out_[face] = true;
         drop(face);
         SignSurface::Use& use = surface_.faces[face];
         use = use > 0 ? SignSurface::unused_forward : SignSurface::unused_backward;
     }
-    count();
-    return sheets;
 }
 
 bool SurfaceSearch::are_beside_cancelled_faces(std::span<const std::uint32_t> faces,
@@ -206,7 +243,10 @@ void SurfaceSearch::take_turned(std::span<const std::uint32_t> faces, const std:
         surface_.faces[face] = surface_.faces[face] > 0 ? SignSurface::backward : SignSurface::forward;
         is_turned_[face] = !is_turned_[face];
     }
-    if (!has_uses) return;
+    if (has_uses) direct_equal_faces(doubled);
+}
+
+void SurfaceSearch::direct_equal_faces(const std::vector<DoubledFace>& doubled) {
     for (const DoubledFace& one : doubled)
         if (SignSurface::count_of(surface_.faces[one.first]) != 0 &&
             SignSurface::count_of(surface_.faces[one.face]) == 0)

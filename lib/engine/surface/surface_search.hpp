@@ -33,6 +33,9 @@ public:
     /// Turns around the faces that look otherwise than most of their part. A closed surface is balanced then, or stays
     /// as it is. An open one has fewer unbalanced edges then, and its winding number is not in doubt at more points.
     void orient_parts(const std::vector<DoubledFace>& doubled);
+    /// Leaves inner walls and sheets of bodies out whose faces meet in edges of three or more: what is inside is what
+    /// cannot be reached (roles_by_reach()).
+    Sheets leave_out_walls(const std::vector<DoubledFace>& doubled);
     /// Leaves sheets and inner walls out that enclose nothing, if the rest has a sign.
     Sheets leave_out_sheets(const std::vector<DoubledFace>& doubled);
 
@@ -58,6 +61,9 @@ private:
     std::vector<std::uint32_t> close_with(const SubSurface& other);
     bool is_open(std::uint32_t a, std::uint32_t b) const;
     void turn(std::uint32_t face) { std::swap(triangles_[face][1], triangles_[face][2]); }
+    void leave_out(std::span<const std::uint32_t> faces);
+    /// Lets faces that equal others look as these, if those count.
+    void direct_equal_faces(const std::vector<DoubledFace>& doubled);
     /// Notes the faces that were turned, and the directions of those that equal them.
     void take_turned(std::span<const std::uint32_t> faces, const std::vector<DoubledFace>& doubled);
     /// Whether a face shares an edge with faces that cancel each other: then it may be of a body on both sides.

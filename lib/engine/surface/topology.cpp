@@ -82,9 +82,24 @@ void report_inner_walls(std::span<const std::uint32_t> faces, Topology& report) 
     report.first_inner_wall_face = faces.front();
 }
 
+/// Adds two lists of faces that were left out, each ascending.
+void add_sheets(const Sheets& more, Sheets& sheets) {
+    const auto merge = [](const std::vector<std::uint32_t>& from, std::vector<std::uint32_t>& to) {
+        const auto middle = static_cast<std::ptrdiff_t>(to.size());
+        to.insert(to.end(), from.begin(), from.end());
+        std::inplace_merge(to.begin(), to.begin() + middle, to.end());
+    };
+    merge(more.left_out, sheets.left_out);
+    merge(more.walls, sheets.walls);
+    sheets.enclosing = more.enclosing;
+    sheets.first_enclosing = more.first_enclosing;
+}
+
 void report_sheets(const Sheets& sheets, Topology& report) {
     report.sheet_faces = sheets.left_out.size();
-    report.first_sheet_face = sheets.left_out.empty() ? 0 : sheets.left_out.front();
+    report.first_sheet_face = !sheets.open.empty()      ? sheets.open.front()
+                              : sheets.left_out.empty() ? 0
+                                                        : sheets.left_out.front();
     report.enclosing_faces = sheets.enclosing;
     report.first_enclosing_face = sheets.first_enclosing;
     report_inner_walls(sheets.walls, report);
@@ -145,16 +160,21 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
     }
     if (asked != SignRule::below) search.count_bodies_once(doubled, may_open);
     if (!search.is_balanced() && (search.is_closed() || may_open)) search.orient_parts(doubled);
-    if (search.is_balanced() && search.uncounted() == 0)
+    Sheets sheets;
+    if (asked == SignRule::automatic && !search.is_balanced()) {
+        sheets = search.leave_out_walls(doubled);
+        if (!search.is_balanced() && !sheets.left_out.empty()) search.orient_parts(doubled);
+    }
+    if (search.is_balanced() && search.uncounted() == 0 && sheets.left_out.empty())
         report_doubled_cavities(mesh, search.triangles(), doubled, report);
     const auto is_open = [&] {
         return !search.is_balanced() && (asked == SignRule::solid_angle || !search.is_closed());
     };
     if (asked == SignRule::automatic && !search.is_closed() && !search.winding_test().is_clear()) {
-        const Sheets sheets = search.leave_out_sheets(doubled);
-        if (!sheets.left_out.empty() || !search.winding_test_with_covered_parts().is_clear())
-            report_sheets(sheets, report);
+        const Sheets more = search.leave_out_sheets(doubled);
+        if (!more.left_out.empty() || !search.winding_test_with_covered_parts().is_clear()) add_sheets(more, sheets);
     }
+    report_sheets(sheets, report);
     report.joined_vertices = search.joined();
     report.duplicate_faces = doubled.size();
     report.uncounted_faces = search.uncounted();
