@@ -130,12 +130,12 @@ bool is_any(int region) {
 BOOST_AUTO_TEST_SUITE(regions)
 
 BOOST_AUTO_TEST_CASE(faces_cross_if_their_insides_have_a_line_or_an_area_in_common) {
-    const std::vector<Vec3> at{{0, 0, 0},    {4, 0, 0},      {0, 4, 0},   // 0 to 2: the face
-                               {1, 1, -1},   {1, 1, 1},      {9, 9, 0},   // 3 to 5: through its inside and its edge
-                               {1, 1, 0},    {2, 1, 0},      {1, 2, 0},   // 6 to 8: in its plane, within
-                               {4, 4, 0},    {2, 2, 0},      {0, 0, 5},   // 9: beyond; 10: on its edge; 11: above
-                               {2, 2, 5},    {-1, -1, -1},   {-1, -1, 1},  // 12 to 14
-                               {5, 5, -1},   {5, 5, 1},      {1, 1, 5}};  // 15 to 17
+    const std::vector<Vec3> at{{0, 0, 0},  {4, 0, 0},    {0, 4, 0},    // 0 to 2: the face
+                               {1, 1, -1}, {1, 1, 1},    {9, 9, 0},    // 3 to 5: through its inside and its edge
+                               {1, 1, 0},  {2, 1, 0},    {1, 2, 0},    // 6 to 8: in its plane, within
+                               {4, 4, 0},  {2, 2, 0},    {0, 0, 5},    // 9: beyond; 10: on its edge; 11: above
+                               {2, 2, 5},  {-1, -1, -1}, {-1, -1, 1},  // 12 to 14
+                               {5, 5, -1}, {5, 5, 1},    {1, 1, 5}};   // 15 to 17
     const Triangle face{0, 1, 2};
     const auto cross = [&](const Triangle& other) {
         const bool result = faces_cross(at, face, other);
@@ -194,9 +194,9 @@ BOOST_AUTO_TEST_CASE(walls_of_bolts_layers_lumps_and_tanks_are_left_out) {
         {"a lump in a corner of another one",
          {thirds, thirds, thirds, [](auto x, auto y, auto z) { return x == 0 && y == 0 ? (z == 0 ? 3 : 2) : 1; }}}};
     for (const auto& [name, cells] : all)
-        for (const auto& looks : {std::function<bool(int, int)>(to_lower), std::function<bool(int, int)>([](int a, int b) {
-                                      return a == 0 || (b != 0 && a < b);
-                                  })}) {
+        for (const auto& looks :
+             {std::function<bool(int, int)>(to_lower),
+              std::function<bool(int, int)>([](int a, int b) { return a == 0 || (b != 0 && a < b); })}) {
             BOOST_TEST_CONTEXT(name) {
                 const Mesh mesh = walls_of(cells, looks);
                 check_inside(mesh, cells, is_any);
@@ -218,12 +218,14 @@ BOOST_AUTO_TEST_CASE(walls_of_bolts_layers_lumps_and_tanks_are_left_out) {
 BOOST_AUTO_TEST_CASE(a_region_that_looks_like_a_cavity_is_one) {
     // A cavity in the middle of a rod of another region that goes through a body.
     const std::vector<double> fives{0, 1, 2, 3, 4, 5};
-    const Cells cells{fives, fives, fives,
-                      [](auto x, auto y, auto z) { return y != 2 || z != 2 ? 1 : x == 2 ? 0 : 2; }};
+    const Cells cells{fives, fives, fives, [](auto x, auto y, auto z) {
+                          return y != 2 || z != 2 ? 1 : x == 2 ? 0 : 2;
+                      }};
     const Mesh mesh = walls_of(cells, to_lower);
     check_inside(mesh, cells, is_any);
     // One wall of the cavity that looks away from it is enough: the region is inside.
-    const Mesh other = walls_of(cells, [](int below, int above) { return (below == 0 && above == 2) || to_lower(below, above); });
+    const Mesh other =
+        walls_of(cells, [](int below, int above) { return (below == 0 && above == 2) || to_lower(below, above); });
     BOOST_TEST(is_inside(other, {2.5, 2.5, 2.5}));
     // Turned inside out, the mesh has the same inside.
     check_inside(reversed(mesh), cells, is_any);
@@ -359,6 +361,42 @@ BOOST_AUTO_TEST_CASE(what_is_not_of_that_kind_keeps_its_rules) {
     BOOST_TEST(!roles_by_reach(membrane, membrane.triangles()).empty());
 }
 
+BOOST_AUTO_TEST_CASE(blocks_on_both_sides_that_touch_in_walls_count_once) {
+    const auto several = [](std::size_t count) {
+        std::vector<double> planes;
+        for (std::size_t n = 0; n <= count; ++n) planes.push_back(static_cast<double>(n));
+        return planes;
+    };
+    for (const std::size_t high : {1U, 2U}) {
+        const Cells cells{several(2), several(high), several(high),
+                          [](auto x, auto y, auto z) { return 1 + static_cast<int>(x + 2 * y + 4 * z); }};
+        const Mesh once = walls_of(cells, to_lower);
+        std::vector<Triangle> twice, of_each;  // each wall both ways; each block with walls of its own
+        for (const Triangle& face : once.triangles()) {
+            bool is_wall = false;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double at = once.vertices()[face[0]][axis];
+                is_wall = is_wall ||
+                          (at > 0 && at < cells.planes[axis].back() &&
+                           std::ranges::all_of(face, [&](std::uint32_t v) { return once.vertices()[v][axis] == at; }));
+            }
+            for (std::vector<Triangle>* const faces : {&twice, &of_each})
+                faces->insert(faces->end(), {face, turned(face)});
+            if (is_wall) of_each.insert(of_each.end(), {face, turned(face)});
+        }
+        for (const std::vector<Triangle>& faces : {twice, of_each}) {
+            const Mesh mesh(once.vertices(), faces, "");
+            check_inside(mesh, cells, is_any);
+            BOOST_TEST(describe_topology(mesh).double_sided_faces == (high == 1 ? 20U : 48U));
+        }
+    }
+    // Both ways, but with other diagonals: nothing is inside, and the warning says so.
+    const Mesh one = open_box({0, 0, 0}, {1, 1, 1}, 6), other = reversed(open_box({0, 0, 0}, {1, 1, 1}, 6, 1));
+    const Mesh mesh = together({one, other, one, reversed(one)}, "");
+    const std::string warning = resolve_sign_rule(SignRule::automatic, describe_topology(mesh)).warning;
+    BOOST_TEST(warning.find("perhaps nothing is") != std::string::npos, warning);
+}
+
 BOOST_AUTO_TEST_CASE(a_face_without_an_area_stands_where_its_neighbour_does) {
     // The lid on one side of a wall is divided finer; a face without an area joins the wall's edge to its halves.
     const Cells cells{{0, 1, 2}, {0, 1}, {0, 1}, [](auto x, auto, auto) { return 1 + static_cast<int>(x); }};
@@ -394,7 +432,8 @@ BOOST_AUTO_TEST_CASE(a_face_without_an_area_stands_where_its_neighbour_does) {
 }
 
 BOOST_AUTO_TEST_CASE(doubled_faces_and_turned_ones_change_nothing) {
-    const Cells cells{{0, 1, 2}, {0, 1}, {0, 1, 2}, [](auto x, auto, auto z) { return 1 + static_cast<int>(2 * z + x); }};
+    const Cells cells{
+        {0, 1, 2}, {0, 1}, {0, 1, 2}, [](auto x, auto, auto z) { return 1 + static_cast<int>(2 * z + x); }};
     const Mesh mesh = walls_of(cells, to_lower);
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
         BOOST_TEST_CONTEXT("seed " << seed) {

@@ -3,6 +3,7 @@
 #include "mesh/disjoint_sets.hpp"
 #include "surface/edge_counts.hpp"
 #include "surface/local_frame.hpp"
+#include "surface/regions.hpp"
 #include "surface/sheets.hpp"
 #include "surface/winding_test.hpp"
 
@@ -104,12 +105,36 @@ PointsOfSets points_beside(const Mesh& all, const std::vector<Joined>& sets) {
     return result;
 }
 
-/// Whether faces are those of a body, or are when sheets among them are left out. is_free: free_sheets() of all.
+/// Bodies that touch in common walls: their skin alone, if they enclose a volume.
+bool find_skin(const Mesh& own, std::vector<std::uint32_t>& faces, std::vector<std::uint32_t>& turned) {
+    const std::vector<FaceRole> roles = roles_by_reach(own, own.triangles());
+    std::vector<std::uint32_t> skin;
+    std::vector<Triangle> triangles;
+    turned.clear();
+    for (std::uint32_t face = 0; face < roles.size(); ++face) {
+        if (roles[face] == FaceRole::wall) continue;
+        if (roles[face] != FaceRole::forward && roles[face] != FaceRole::backward) return false;
+        triangles.push_back(own.triangles()[face]);
+        if (roles[face] == FaceRole::backward) {
+            std::swap(triangles.back()[1], triangles.back()[2]);
+            turned.push_back(static_cast<std::uint32_t>(skin.size()));
+        }
+        skin.push_back(faces[face]);
+    }
+    if (triangles.empty() || volume_of(own, triangles) == 0) return false;
+    faces = std::move(skin);
+    return true;
+}
+
+/// Whether faces are those of a body, or are when sheets or walls among them are left out. is_free: free_sheets() of
+/// all.
 bool find_body(const Mesh& all, const std::vector<bool>& is_free, std::vector<std::uint32_t>& faces, bool may_open,
                std::vector<std::uint32_t>& turned) {
     const Mesh own = surface_of(all, all.triangles(), faces);
     const EdgeCounts edges = count_edges(own.triangles(), own.vertices().size());
-    if (edges.open() == 0) return is_body(own, false, turned);
+    if (edges.open() == 0 && is_body(own, false, turned)) return true;
+    if (edges.non_manifold > 0 && find_skin(own, faces, turned)) return true;
+    if (edges.open() == 0) return false;
     const bool is_oriented = std::ranges::all_of(edges.unbalanced, &UnbalancedEdge::is_open);
     if (is_oriented && is_much_in_doubt(own, own.triangles(), loops_of(edges))) return false;
     std::vector<std::uint32_t> rest;

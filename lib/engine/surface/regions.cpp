@@ -32,8 +32,8 @@ struct AtEdge {
     int quarter = 0;  ///< of the directions around the edge, from the first part's on: at it, before, opposite, beyond
 };
 
-/// The sides of a surface's faces, joined to regions. A part of OrientedParts has two sides: the even one, of its lowest
-/// face's front, and the odd one.
+/// The sides of a surface's faces, joined to regions. A part of OrientedParts has two sides: the even one, of its
+/// lowest face's front, and the odd one.
 class Regions {
 public:
     Regions(const Mesh& mesh, std::span<const Triangle> triangles)
@@ -296,18 +296,18 @@ private:
         };
         for (const std::uint32_t face : body.faces) {
             const bool is_front_out = is_out(face, true);
-            roles[face] = is_front_out == is_out(face, false)  ? FaceRole::wall
-                          : is_front_out == looks_inwards ? FaceRole::backward
-                                                          : FaceRole::forward;
+            roles[face] = is_front_out == is_out(face, false) ? FaceRole::wall
+                          : is_front_out == looks_inwards     ? FaceRole::backward
+                                                              : FaceRole::forward;
         }
     }
 
     const Mesh& mesh_;
     std::span<const Triangle> triangles_;
     OrientedParts parts_;
-    DisjointSets sides_;          // 2 * part: its even side; 2 * part + 1: its odd side
-    DisjointSets surfaces_;       // parts that are joined over edges
-    std::vector<bool> is_kept_;   // by surface: its faces count as before
+    DisjointSets sides_;           // 2 * part: its even side; 2 * part + 1: its odd side
+    DisjointSets surfaces_;        // parts that are joined over edges
+    std::vector<bool> is_kept_;    // by surface: its faces count as before
     std::vector<bool> is_inside_;  // by region
     std::vector<Body> bodies_;
     std::optional<OneRings> rings_;  // if a face without area needs them

@@ -18,8 +18,8 @@ enum class FaceRole : std::uint8_t {
     sheet       ///< the same, in what can be reached from afar
 };
 
-/// The roles of faces, by reachability: outside is what is reached from afar without crossing a face. Around an edge the
-/// faces stand in an order, and each side is joined to the next one's; at an edge of one face its two sides are. A
+/// The roles of faces, by reachability: outside is what is reached from afar without crossing a face. Around an edge
+/// the faces stand in an order, and each side is joined to the next one's; at an edge of one face its two sides are. A
 /// surface whose faces cross elsewhere than at common edges, or that encloses nothing, keeps its faces `as_before`.
 ///
 /// triangles: vertices that are the same have the same number, no two faces have the same three, and faces with a

@@ -252,6 +252,12 @@ std::string warning_of(const Topology& topology, SignRule rule) {
             "{})",
             counted(topology.doubled_cavity_faces, "face"), topology.doubled_cavity_faces == 1 ? "is" : "are",
             topology.first_doubled_cavity_face));
+    if (topology.balanced && topology.tested_points > 0 && topology.inside_points == 0)
+        sentences.add(
+            fmt::format("none of {} points beside its faces is inside, so perhaps nothing is: {}, and faces that look "
+                        "both ways cancel "
+                        "each other; leave one of each out",
+                        topology.tested_points, doubled_faces(topology)));
     if (rule == SignRule::nonzero) sentences.add(warning_of_parts(topology));
     if (topology.inside_out)
         sentences.add(fmt::format(

@@ -120,6 +120,19 @@ void report_doubled_cavities(const Mesh& mesh, std::span<const Triangle> triangl
     report.first_doubled_cavity_face = faces.empty() ? 0 : faces.front();
 }
 
+/// Of a balanced surface with faces that are there twice, if nothing is inside beside it.
+void report_empty_surface(const Mesh& mesh, std::span<const Triangle> triangles, Topology& report) {
+    constexpr std::size_t places = 64;
+    std::vector<std::uint32_t> faces;
+    for (std::uint32_t face = 0; face < triangles.size(); ++face)
+        if (!has_repeated_vertex(triangles[face])) faces.push_back(face);
+    WindingTally tally;
+    tally.add(WindingView(mesh, triangles, {}).at(points_beside(mesh, triangles, faces, places)));
+    if (tally.inside > 0 || tally.tested == 0) return;
+    report.tested_points = tally.tested;
+    report.inside_points = 0;
+}
+
 /// Open edges of a mesh that is not balanced, but for noise and faces that are there twice.
 OpenLoops rim_of(const Mesh& mesh, std::span<const Triangle> triangles) {
     SurfaceSearch search(mesh, triangles, count_edges(triangles, mesh.vertices().size()));
@@ -167,6 +180,7 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
     }
     if (search.is_balanced() && search.uncounted() == 0 && sheets.left_out.empty())
         report_doubled_cavities(mesh, search.triangles(), doubled, report);
+    if (search.is_balanced() && !doubled.empty()) report_empty_surface(mesh, search.triangles(), report);
     const auto is_open = [&] {
         return !search.is_balanced() && (asked == SignRule::solid_angle || !search.is_closed());
     };
