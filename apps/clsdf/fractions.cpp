@@ -25,13 +25,20 @@ namespace {
 struct FractionChoice {
     ComputeOptions grid;  ///< those of the grid, the sign and the mesh alone
     std::string convention = "plain";
-    std::string part;
+    std::string part, walls;  ///< empty: the convention's
     double snap = 0;
 };
 
 clsdf::FractionOptions options_of(const FractionChoice& choice) {
-    clsdf::FractionOptions options = clsdf::FractionOptions::of(choice.convention);
-    if (!choice.part.empty()) options.part = choice.part == "solid" ? clsdf::CellPart::solid : clsdf::CellPart::fluid;
+    clsdf::FractionOptions options =
+        choice.part.empty()
+            ? clsdf::FractionOptions::of(choice.convention)
+            : clsdf::FractionOptions::of(choice.convention,
+                                         choice.part == "solid" ? clsdf::CellPart::solid : clsdf::CellPart::fluid);
+    if (!choice.walls.empty())
+        options.walls = choice.walls == "solid"   ? clsdf::WallCell::solid
+                        : choice.walls == "fluid" ? clsdf::WallCell::fluid
+                                                  : clsdf::WallCell::above;
     options.snap = choice.snap;
     return options;
 }
@@ -124,7 +131,12 @@ Command add_fractions(Parser& program) {
     parser.begin_group("Options");
     parser.add("--convention", choice->convention, "what is counted, and how; amrex and chombo: the fluid")
         .takes_one_of({"plain", "amrex", "chombo", "vtk"});
-    parser.add("--part", choice->part, "instead of the convention's: what is counted").takes_one_of({"solid", "fluid"});
+    parser
+        .add("--part", choice->part,
+             "instead of the convention's: what is counted; solid with amrex and chombo: a flow within the mesh")
+        .takes_one_of({"solid", "fluid"});
+    parser.add("--walls", choice->walls, "instead of the convention's: the cell that has a wall between two cells")
+        .takes_one_of({"above", "solid", "fluid"});
     parser.add("--snap", choice->snap, "move vertices onto planes between cells that are so near: 0 to 0.001")
         .takes("CELLS");
     add_sign_option_of_outer(parser, own.sign);

@@ -308,6 +308,17 @@ FractionOptions FractionOptions::of(std::string_view convention) {
     return options;
 }
 
+FractionOptions FractionOptions::of(std::string_view convention, CellPart part) {
+    FractionOptions options = of(convention);
+    if (part == options.part) return options;
+    options.part = part;
+    if (options.walls == WallCell::fluid) {
+        options.walls = WallCell::solid;
+        options.normals_into_solid = !options.normals_into_solid;
+    }
+    return options;
+}
+
 void fractions(const OuterSurface& surface, std::span<const Grid> grids, const FractionSink& sink,
                const FractionOptions& options, const CallOptions& call) {
     cutting::check_options(options);

@@ -203,12 +203,14 @@ std::vector<View> views_of(std::span<const Vec3> vertices, std::span<const Trian
     return views;
 }
 
-FaceBoxes::FaceBoxes(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const View> views) {
+FaceBoxes::FaceBoxes(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const View> views,
+                     double margin) {
     for (std::uint32_t face = 0; face < triangles.size(); ++face)
         if (views[face].direction != 0) faces_.push_back(face);
     std::vector<Box> boxes(faces_.size(), empty_box);
     for_each_index(faces_.size(), [&](std::size_t i) {
         for (const std::uint32_t v : triangles[faces_[i]]) add(boxes[i], {vertices[v], vertices[v]});
+        if (margin > 0) boxes[i] = widened(boxes[i], margin);
     });
     index_.emplace(boxes);
 }

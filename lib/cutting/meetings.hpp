@@ -27,7 +27,9 @@ std::vector<View> views_of(std::span<const Vec3> vertices, std::span<const Trian
 /// The boxes of the faces that have an area.
 class FaceBoxes {
 public:
-    FaceBoxes(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const View> views);
+    /// margin: by which the boxes are widened.
+    FaceBoxes(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const View> views,
+              double margin = 0);
 
     /// Calls f(face) for the faces whose boxes overlap the given one, in no particular order, until it returns true.
     /// Returns whether it did.

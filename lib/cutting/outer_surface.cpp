@@ -5,11 +5,13 @@
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "core/vectors.hpp"
+#include "cutting/closed_gaps.hpp"
 #include "cutting/face_pieces.hpp"
 #include "cutting/outer_mesh.hpp"
 #include "cutting/patches.hpp"
 #include "cutting/piece_sites.hpp"
 #include "mesh/equal_vertices.hpp"
+#include "surface/corners_in_edges.hpp"
 #include "surface/topology.hpp"
 
 #include <fmt/format.h>
@@ -165,6 +167,56 @@ std::string warning_of(const ResolvedSignRule& resolved, const OuterSurface& sur
     return resolved.warning.empty() ? hidden : resolved.warning + "; " + hidden;
 }
 
+/// Sentences that a semicolon parts.
+void add_warning(const cutting::ClosedGaps& gaps, ResolvedSignRule& resolved) {
+    if (gaps.left == 0) return;
+    resolved.warning += fmt::format(
+        "{}{} that look at each other are nearer than 1e-9 of the largest coordinate and stay apart: if they are to be "
+        "joined, --weld LENGTH (weld()) joins near vertices",
+        resolved.warning.empty() ? "" : "; ", gaps.left == 1 ? "2 faces" : fmt::format("{} pairs of faces", gaps.left));
+}
+
+/// A mesh that is closed but for corners of faces in edges of others, with the triangles between them.
+struct ClosedCorners {
+    Mesh mesh;
+    std::vector<ClosingTriangle> added;  ///< the last triangles of the mesh
+    DescribedMesh described;
+};
+/// Nothing if there are none, or if the mesh is not closed with them.
+std::optional<ClosedCorners> closed_corners(const Mesh& mesh, const SignSurface& surface, SignRule asked) {
+    std::vector<Triangle> triangles;
+    triangles.reserve(mesh.triangles().size());
+    for (std::size_t face = 0; face < mesh.triangles().size(); ++face)
+        triangles.push_back(surface.triangle(mesh.triangles()[face], face));
+    std::vector<ClosingTriangle> added = corners_in_edges(mesh, triangles);
+    if (added.empty()) return std::nullopt;
+    triangles = mesh.triangles();
+    for (const ClosingTriangle& one : added) triangles.push_back(one.corners);
+    Mesh closed(mesh.vertices(), std::move(triangles), mesh.name());
+    DescribedMesh described = describe_mesh(closed, asked);
+    if (!described.topology.closed) return std::nullopt;
+    return ClosedCorners{std::move(closed), std::move(added), std::move(described)};
+}
+
+/// A piece of a closing triangle is told as a piece of the edge that this lies in. corners: of the piece; face: that
+/// has the edge.
+void tell_as_edge(const std::array<Vec3, 3>& corners, const Triangle& face, const Triangle& closing,
+                  std::span<const Vec3> vertices, FacePiece& told) {
+    std::uint32_t edge = 0;  // the closing triangle begins at its end
+    while (face[(edge + 1) % 3] != closing[0]) ++edge;
+    const Vec3 &from = vertices[face[edge]], to = vertices[closing[0]];
+    const Vec3 way = difference(to, from);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double along = std::clamp(dot(difference(corners[k], from), way) / dot(way, way), 0.0, 1.0);
+        std::array<double, 3> weights{};
+        weights[edge] = 1 - along;
+        weights[(edge + 1) % 3] += along;
+        told.weights[2 * k] = weights[1];
+        told.weights[2 * k + 1] = weights[2];
+    }
+    std::ranges::fill(told.site, static_cast<clsdf_uint8>(3 + edge));
+}
+
 /// for_transform: also what transforms need beside the surface.
 cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptions& call, bool for_transform) {
     const DefaultFloatingPoint as_kernels;
@@ -173,12 +225,27 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
     std::optional<Mesh> one_of_each;
     for (std::size_t v = 0; v < first.size() && !one_of_each; ++v)
         if (first[v] != v) one_of_each = merged(given, first);
-    const Mesh& mesh = one_of_each ? *one_of_each : given;
-    auto [topology, surface] = describe_mesh(mesh, asked);
+    const Mesh& joined = one_of_each ? *one_of_each : given;
+    auto [topology, surface] = describe_mesh(joined, asked);
+    const std::optional<ClosedCorners> closed = topology.closed ? std::nullopt : closed_corners(joined, surface, asked);
+    if (closed) {
+        topology = closed->described.topology;
+        surface = closed->described.surface;
+    }
+    const Mesh& mesh = closed ? closed->mesh : joined;
+    const std::size_t face_count = given.triangles().size();
+    const auto face_of = [&](std::uint32_t face) {
+        return face < face_count ? face : closed->added[face - face_count].face;
+    };
     const std::size_t overlapping_parts = std::exchange(topology.overlapping_parts, 0);  // they are no news here
-    const ResolvedSignRule resolved = checked_rule(asked, given, topology);
+    ResolvedSignRule resolved = checked_rule(asked, given, topology);
     const SignRule rule = resolved.rule;
-    if (!for_transform && call.log && !resolved.warning.empty()) call.log(resolved.warning);
+    if (closed)
+        resolved.warning =
+            fmt::format("{} in edges of other faces, and the outer surface is closed there{}{}",
+                        closed->added.size() == 1 ? "1 corner of a face lies"
+                                                  : fmt::format("{} corners of faces lie", closed->added.size()),
+                        resolved.warning.empty() ? "" : "; ", resolved.warning);
 
     // Products of seven lengths must be numbers.
     const int exponent = exponent_of(mesh);
@@ -190,8 +257,21 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
     triangles.reserve(mesh.triangles().size());
     for (const auto& [a, b, c] : mesh.triangles())
         triangles.push_back({surface.vertex(a), surface.vertex(b), surface.vertex(c)});
-    const std::vector<View> views = cutting::views_of(scaled, triangles);
-    const cutting::FaceBoxes boxes(scaled, triangles, views);
+    std::vector<View> views = cutting::views_of(scaled, triangles);
+    std::vector<bool> is_moved;
+    const bool has_parts = topology.parts > 1;
+    cutting::FaceBoxes boxes(scaled, triangles, views, has_parts ? cutting::gap_margin / 2 : 0);
+    if (has_parts) {
+        cutting::ClosedGaps gaps =
+            cutting::close_gaps(scaled, triangles, boxes, surface, topology.inside_out, cancellation);
+        if (!gaps.is_moved.empty() || gaps.is_changed) {
+            views = cutting::views_of(scaled, triangles);
+            boxes = cutting::FaceBoxes(scaled, triangles, views);
+        }
+        add_warning(gaps, resolved);
+        is_moved = std::move(gaps.is_moved);
+    }
+    if (!for_transform && call.log && !resolved.warning.empty()) call.log(resolved.warning);
     CutPoints points(scaled, triangles);
     const std::vector<Piece> pieces = pieces_of(points, views, boxes, cancellation);
     const std::vector<Fate> fates = cutting::fates_of(points, views, boxes, pieces, surface, rule, cancellation);
@@ -202,9 +282,9 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
     std::vector<Triangle> kept;
     std::vector<std::uint32_t> faces;
     std::vector<Piece> kept_pieces;
-    std::vector<std::array<std::uint32_t, 2>> counts(triangles.size());  // kept and dropped
+    std::vector<std::array<std::uint32_t, 2>> counts(face_count);  // kept and dropped
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        ++counts[pieces[i].face][fates[i] == Fate::dropped ? 1 : 0];
+        if (pieces[i].face < face_count) ++counts[pieces[i].face][fates[i] == Fate::dropped ? 1 : 0];
         if (fates[i] == Fate::dropped) continue;
         Triangle corners = pieces[i].corners;
         if (fates[i] == Fate::flipped) std::swap(corners[1], corners[2]);
@@ -212,15 +292,16 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
         for (std::uint32_t& corner : corners) {
             if (numbers[corner] == none) {
                 numbers[corner] = static_cast<std::uint32_t>(vertices.size());
-                Vec3 vertex = corner < scaled.size() ? mesh.vertices()[corner] : points.rounded(corner);
-                if (corner >= scaled.size())
+                const bool is_as_given = corner < scaled.size() && (is_moved.empty() || !is_moved[corner]);
+                Vec3 vertex = is_as_given ? mesh.vertices()[corner] : points.rounded(corner);
+                if (!is_as_given)
                     for (double& x : vertex) x = std::ldexp(x, exponent);
                 vertices.push_back(vertex);
             }
             corner = numbers[corner];
         }
         kept.push_back(corners);
-        faces.push_back(pieces[i].face);
+        faces.push_back(face_of(pieces[i].face));
     }
     if (kept.empty())
         throw Error(
@@ -247,9 +328,20 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
     measure(result);
     cutting::OuterMesh made{std::move(result), {}, {}, rule, {}};
     if (!for_transform) return made;
-    made.warning = warning_of(resolved, made.surface, triangles.size());
-    if (!are_all_faces(pieces, fates, surface, triangles))
+    made.warning = warning_of(resolved, made.surface, face_count);
+    if (closed || !are_all_faces(pieces, fates, surface, triangles)) {
         made.faces = cutting::given_faces(points, views, kept_pieces, cancellation);
+        for (std::size_t i = 0; i < kept_pieces.size(); ++i) {
+            const std::uint32_t own = kept_pieces[i].face;
+            if (own < face_count) continue;
+            FacePiece& told = made.faces.pieces[i];
+            told.face = made.faces.numbers[i] = face_of(own);
+            const Triangle& piece = made.surface.mesh.triangles()[i];
+            const std::vector<Vec3>& at = made.surface.mesh.vertices();
+            tell_as_edge({at[piece[0]], at[piece[1]], at[piece[2]]}, triangles[told.face], triangles[own],
+                         mesh.vertices(), told);
+        }
+    }
     const Topology of_vertices = describe_vertices(given, first);
     made.topology = std::move(topology);
     made.topology.unused_vertices = of_vertices.unused_vertices;

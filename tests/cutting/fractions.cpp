@@ -289,6 +289,22 @@ BOOST_AUTO_TEST_CASE(a_box_in_the_planes_between_cells_by_convention) {
         for (std::size_t d = 0; d < 3; ++d)
             BOOST_TEST(chombo.cells.at(n).vector_area[d] == -amrex.cells[n].vector_area[d]);
 
+    // A flow within the box: its one cell, closed on all sides.
+    for (const char* const convention : {"amrex", "chombo"}) {
+        const FractionOptions options = FractionOptions::of(convention, CellPart::solid);
+        BOOST_TEST((options.normals_into_solid != FractionOptions::of(convention).normals_into_solid));
+        BOOST_TEST((FractionOptions::of(convention, CellPart::fluid) == FractionOptions::of(convention)));
+        const Fractions within = fractions(box, grid, options);
+        BOOST_REQUIRE(within.cells.size() == 1U);
+        BOOST_TEST((within.cells[0].cell == std::array<std::int32_t, 3>{1, 2, 3}));
+        BOOST_TEST(within.cells[0].volume == 1);
+        expect_faces(within.cells[0], {});
+        BOOST_TEST(std::ranges::count(within.full, 0) == static_cast<std::ptrdiff_t>(within.full.size()));
+    }
+    // Others have the part alone.
+    const FractionOptions fluid = FractionOptions::of("plain", CellPart::fluid);
+    BOOST_TEST((fluid == FractionOptions{.part = CellPart::fluid}));
+
     // A part of the grid whose ends are in the walls has the cells of the whole.
     for (const WallCell walls : {WallCell::solid, WallCell::fluid}) {
         const std::map<Index3, CellFraction> whole = by_cell(fractions(box, grid, {.walls = walls}));

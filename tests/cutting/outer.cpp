@@ -269,6 +269,107 @@ BOOST_AUTO_TEST_CASE(what_the_sign_does_is_done) {
     BOOST_TEST(std::abs(volume({apart, faces}) - 1) < 1e-15);
 }
 
+/// A box whose lids are divided into n x n squares, and whose sides are two triangles each.
+Mesh box_with_fine_lids(std::uint32_t n) {
+    std::vector<Vec3> vertices;
+    for (std::uint32_t z = 0; z < 2; ++z)
+        for (std::uint32_t y = 0; y <= n; ++y)
+            for (std::uint32_t x = 0; x <= n; ++x)
+                vertices.push_back({2.0 * x / n, 2.0 * y / n, static_cast<double>(z)});
+    const std::uint32_t row = n + 1, lid = row * row;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t y = 0; y < n; ++y)
+        for (std::uint32_t x = 0; x < n; ++x) {
+            const std::uint32_t a = y * row + x, b = a + 1, c = b + row, d = a + row;
+            triangles.insert(triangles.end(), {{a, c, b}, {a, d, c}});
+            triangles.insert(triangles.end(), {{lid + a, lid + b, lid + c}, {lid + a, lid + c, lid + d}});
+        }
+    const std::array<std::uint32_t, 4> around{0, n, lid - 1, lid - row};
+    for (std::size_t k = 0; k < 4; ++k) {
+        const std::uint32_t a = around[k], b = around[(k + 1) % 4];
+        triangles.insert(triangles.end(), {{a, b, lid + b}, {a, lid + b, lid + a}});
+    }
+    return {std::move(vertices), std::move(triangles), "box with fine lids"};
+}
+
+BOOST_AUTO_TEST_CASE(corners_in_edges_close_the_surface) {
+    Random random(4);
+    for (const std::uint32_t n : {2U, 3U, 7U})
+        for (const double angle : {0.0, 0.6}) {  // corners on the edges, and beside them by rounding
+            const Mesh plain = box_with_fine_lids(n), mesh = angle == 0 ? plain : tilted(plain, angle);
+            std::string warning;
+            const OuterSurface surface =
+                outer(mesh, SignRule::automatic, {.log = [&](const std::string& text) { warning += text; }});
+            BOOST_TEST_CONTEXT(n << " squares, angle " << angle) {
+                BOOST_TEST(std::abs(surface.volume - 4) < 1e-13);
+                BOOST_TEST(std::abs(surface.area - 16) < 1e-12);
+                BOOST_TEST(describe_topology(surface.mesh).balanced);
+                BOOST_TEST(surface.whole_faces + surface.partial_faces == mesh.triangles().size());
+                BOOST_TEST(std::ranges::all_of(surface.faces,
+                                               [&](std::uint32_t face) { return face < mesh.triangles().size(); }));
+                BOOST_TEST(
+                    warning.find(std::to_string(8 * (n - 1)) + " corners of faces lie in edges") != std::string::npos,
+                    warning);
+            }
+            // Overlapping another body.
+            if (angle > 0) continue;
+            const Mesh two = together({mesh, shifted(mesh, {1, 1, 0.5})}, "two");
+            BOOST_TEST(std::abs(outer(two).volume - 7.5) < 1e-12);
+            check_boundary(two, outer(two), random, 20);
+        }
+    // A corner farther off is none.
+    std::vector<Vec3> vertices = box_with_fine_lids(2).vertices();
+    vertices[1][1] = -1e-7;
+    check_throws(ErrorCode::unsupported, {"open edges"}, [&] { outer({vertices, box_with_fine_lids(2).triangles()}); });
+}
+
+BOOST_AUTO_TEST_CASE(gaps_of_a_rounding_are_closed) {
+    std::string warning;
+    const auto check = [&](const Mesh& mesh, double volume, double area) {
+        warning.clear();
+        const OuterSurface surface =
+            outer(mesh, SignRule::automatic, {.log = [&](const std::string& text) { warning += text; }});
+        BOOST_TEST_CONTEXT(mesh.name()) {
+            BOOST_TEST(std::abs(surface.volume - volume) < 1e-12 * volume);
+            BOOST_TEST(std::abs(surface.area - area) < 1e-11 * area);
+            BOOST_TEST(describe_topology(surface.mesh).balanced);
+            BOOST_TEST(warning.find("stay apart") == std::string::npos, warning);
+        }
+    };
+    for (const double side : {0.07, 0.1, 0.3}) {
+        std::vector<Mesh> cubes;
+        for (int i = 0; i < 50; ++i)
+            cubes.push_back(box_mesh({{i * side, 0, 0}, {i * side + side, side, side}}, static_cast<unsigned>(i)));
+        const Mesh row = together(cubes, "row of " + std::to_string(side));
+        check(row, 50 * side * side * side, 202 * side * side);
+        for (const double angle : {0.5, 1.1}) check(tilted(row, angle), 50 * side * side * side, 202 * side * side);
+    }
+    // Boxes that touch in a part of a side, and planks laid crosswise: no corner of one is near the other.
+    const double above = std::nextafter(0.3, 1);
+    const Mesh part =
+        together({box_mesh({{0, 0, 0}, {1, 1, 0.3}}, 3), box_mesh({{0.25, 0.5, above}, {2, 2, 1}}, 6)}, "part");
+    const Mesh planks = together(
+        {box_mesh({{-5, -0.5, 0}, {5, 0.5, 0.3}}, 1), box_mesh({{-0.5, -5, above}, {0.5, 5, 0.6}}, 2)}, "planks");
+    for (const double angle : {0.0, 0.5}) {
+        const auto placed = [&](const Mesh& mesh) { return angle == 0 ? mesh : tilted(mesh, angle); };
+        check(placed(part), 0.3 + 1.75 * 1.5 * 0.7, 3.2 + 2 * (1.75 * 1.5 + 1.75 * 0.7 + 1.5 * 0.7) - 2 * 0.75 * 0.5);
+        check(placed(planks), 6, 2 * (2 * (10 + 3 + 0.3) - 1));
+    }
+    // A block of 27.
+    std::vector<Mesh> cubes;
+    for (int n = 0; n < 27; ++n) {
+        const double x = 0.1 * (n % 3), y = 0.1 * (n / 3 % 3), z = 0.1 * (n / 9);
+        cubes.push_back(box_mesh({{x, y, z}, {x + 0.1, y + 0.1, z + 0.1}}, static_cast<unsigned>(n)));
+    }
+    check(together(cubes, "block"), 0.027, 0.54);
+    // Wider gaps stay, and a warning says so.
+    const Mesh apart = together({box_mesh({{0, 0, 0}, {1, 1, 1}}, 0), box_mesh({{1 + 1e-12, 0, 0}, {2, 1, 1}}, 0)}, "");
+    const OuterSurface surface =
+        outer(apart, SignRule::automatic, {.log = [&](const std::string& text) { warning = text; }});
+    BOOST_TEST(std::abs(surface.area - 12) < 1e-11);
+    BOOST_TEST(warning.find("stay apart") != std::string::npos, warning);
+}
+
 BOOST_AUTO_TEST_CASE(groups_and_faces_as_given) {
     Mesh two =
         together({box_mesh({{0, 0, 0}, {1, 1, 1}}, 0), box_mesh({{0.5, 0.25, 0.25}, {1.5, 0.75, 0.75}}, 0)}, "two");

@@ -88,9 +88,10 @@ def fractions(
     AMR hierarchy, a list.
 
     sign: 'auto', 'nonzero' or 'parity'. convention: 'plain' (the solid), 'amrex' or 'chombo' (the fluid, areas as parts of
-    faces) or 'vtk' (centroids as points). part: 'solid' or 'fluid', in place of the convention's. walls: the cell that has
-    a piece of surface in the face between two cells: 'above', or the one on the side of the 'solid' or the 'fluid'. snap:
-    vertices so near to a plane between cells are moved onto it, in cells, at most 0.001.
+    faces) or 'vtk' (centroids as points). part: 'solid' or 'fluid', in place of the convention's; 'solid' with 'amrex' or
+    'chombo' is a flow within the mesh: walls between two cells are the solid's, and normals are turned. walls: the cell
+    that has a piece of surface in the face between two cells: 'above', or the one on the side of the 'solid' or the
+    'fluid'. snap: vertices so near to a plane between cells are moved onto it, in cells, at most 0.001.
 
     Raises clsdf.Error as outer() does, and invalid_argument unless the grid has two samples or more on each axis. Uses all
     cores, without the GIL. mesh: as for mesh_hash()."""

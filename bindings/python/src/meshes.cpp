@@ -122,14 +122,16 @@ nb::tuple tuple_of(Fractions& found) {
 /// "" stands for the convention's.
 FractionOptions fraction_options_of(const std::string& convention, const std::string& part, const std::string& walls,
                                     double snap) {
-    FractionOptions options = FractionOptions::of(convention);
     const auto number_of = [](const char* what, const std::string& text, const std::vector<std::string>& names) {
         const auto at = std::ranges::find(names, text);
         if (at == names.end())
             refuse(fmt::format("{} '{}' is not known; the choices are {}", what, text, fmt::join(names, ", ")));
         return static_cast<std::int32_t>(at - names.begin());
     };
-    if (!part.empty()) options.part = static_cast<CellPart>(number_of("part", part, {"solid", "fluid"}));
+    FractionOptions options =
+        part.empty()
+            ? FractionOptions::of(convention)
+            : FractionOptions::of(convention, static_cast<CellPart>(number_of("part", part, {"solid", "fluid"})));
     if (!walls.empty()) options.walls = static_cast<WallCell>(number_of("walls", walls, {"above", "solid", "fluid"}));
     options.snap = snap;
     return options;

@@ -29,7 +29,7 @@ bool has_odd_face(std::span<const Triangle> triangles, std::span<const DoubledFa
 }  // namespace
 
 SurfaceSearch::SurfaceSearch(const Mesh& mesh, std::span<const Triangle> triangles, EdgeCounts edges)
-    : mesh_(mesh), given_(triangles), triangles_(triangles.begin(), triangles.end()), edges_(std::move(edges)) {}
+    : mesh_(&mesh), given_(triangles), triangles_(triangles.begin(), triangles.end()), edges_(std::move(edges)) {}
 
 void SurfaceSearch::join_noise() {
     std::vector<std::uint32_t> ends;
@@ -40,15 +40,15 @@ void SurfaceSearch::join_noise() {
     std::ranges::sort(ends);
     const auto repeated = std::ranges::unique(ends);
     ends.erase(repeated.begin(), repeated.end());
-    const Box& box = mesh_.box();
+    const Box& box = mesh_->box();
     double half_side = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
         half_side = std::max(half_side, 0.5 * box.upper[axis] - 0.5 * box.lower[axis]);
     const std::vector<JoinedVertex> joined =
-        join_vertices(mesh_.vertices(), std::move(ends), 2 * joining_tolerance * half_side);
+        join_vertices(mesh_->vertices(), std::move(ends), 2 * joining_tolerance * half_side);
     if (joined.empty()) return;
     joined_ = joined.size();
-    surface_.vertices.resize(mesh_.vertices().size());
+    surface_.vertices.resize(mesh_->vertices().size());
     std::iota(surface_.vertices.begin(), surface_.vertices.end(), std::uint32_t{0});
     for (const auto& [vertex, least] : joined) surface_.vertices[vertex] = least;
     for (Triangle& triangle : triangles_)
@@ -97,10 +97,10 @@ void SurfaceSearch::count_bodies_once(const std::vector<DoubledFace>& doubled, b
     if (cancelled == nullptr) return;
     double volume = 0;
     std::vector<CountedFace> counted =
-        double_sided_bodies(mesh_, *cancelled, triangles_, loops_of(edges_), may_open, volume);
+        double_sided_bodies(*mesh_, *cancelled, triangles_, loops_of(edges_), may_open, volume);
     if (counted.empty()) return;
     // Both ways are there, so the bodies look as the rest of the mesh does.
-    if (volume != 0 && (volume < 0) != encloses_negative_volume(mesh_, surface_))
+    if (volume != 0 && (volume < 0) != encloses_negative_volume(*mesh_, surface_))
         for (CountedFace& one : counted) one.is_turned = !one.is_turned;
     if (surface_.faces.empty()) surface_.faces.assign(triangles_.size(), SignSurface::forward);
     std::vector<bool> is_counted(triangles_.size());
@@ -124,7 +124,7 @@ void SurfaceSearch::orient_parts(const std::vector<DoubledFace>& doubled) {
     const bool was_closed = is_closed();
     // Turning faces balances no edge of an odd number of them.
     if (std::ranges::all_of(edges_.unbalanced, &UnbalancedEdge::is_open)) return;
-    const std::vector<std::uint32_t> faces = faces_to_turn(mesh_, triangles_, was_closed);
+    const std::vector<std::uint32_t> faces = faces_to_turn(*mesh_, triangles_, was_closed);
     if (faces.empty()) return;
     const std::vector<Triangle> triangles_before = triangles_;
     for (const std::uint32_t face : faces) turn(face);
@@ -135,7 +135,7 @@ void SurfaceSearch::orient_parts(const std::vector<DoubledFace>& doubled) {
         const WindingTest& test = winding_test();
         if (test.is_clear()) return true;
         WindingTally tally;
-        tally.add(WindingView(mesh_, triangles_before, loops_of(before)).at(test.points));
+        tally.add(WindingView(*mesh_, triangles_before, loops_of(before)).at(test.points));
         return test.all.doubtful <= tally.doubtful;
     };
     const bool is_kept = was_closed
@@ -156,7 +156,7 @@ Sheets SurfaceSearch::leave_out_walls(const std::vector<DoubledFace>& doubled) {
     std::vector<Triangle> faces(given_.size());
     for (std::uint32_t face = 0; face < faces.size(); ++face) faces[face] = given(face);
     for (const DoubledFace& one : doubled) faces[one.face] = {};
-    const std::vector<FaceRole> roles = roles_by_reach(mesh_, faces);
+    const std::vector<FaceRole> roles = roles_by_reach(*mesh_, faces);
     if (roles.empty()) return {};
     if (surface_.faces.empty()) surface_.faces.assign(triangles_.size(), SignSurface::forward);
     if (is_turned_.empty()) is_turned_.resize(triangles_.size());
@@ -183,7 +183,7 @@ Sheets SurfaceSearch::leave_out_walls(const std::vector<DoubledFace>& doubled) {
 }
 
 Sheets SurfaceSearch::leave_out_sheets(const std::vector<DoubledFace>& doubled) {
-    Sheets sheets = find_sheets(mesh_, triangles_);
+    Sheets sheets = find_sheets(*mesh_, triangles_);
     if (sheets.left_out.empty()) return sheets;
     if (are_beside_cancelled_faces(sheets.left_out, doubled)) return {};
     if (surface_.faces.empty()) surface_.faces.assign(triangles_.size(), SignSurface::forward);
@@ -226,12 +226,12 @@ bool SurfaceSearch::are_beside_cancelled_faces(std::span<const std::uint32_t> fa
 }
 
 const WindingTest& SurfaceSearch::winding_test() {
-    if (!test_) test_ = test_winding_number(mesh_, triangles_, loops_of(edges_));
+    if (!test_) test_ = test_winding_number(*mesh_, triangles_, loops_of(edges_));
     return *test_;
 }
 
 const WindingTest& SurfaceSearch::winding_test_with_covered_parts() {
-    if (winding_test().has_clear_parts) test_ = test_winding_number(mesh_, triangles_, loops_of(edges_), true);
+    if (winding_test().has_clear_parts) test_ = test_winding_number(*mesh_, triangles_, loops_of(edges_), true);
     return *test_;
 }
 
@@ -293,7 +293,7 @@ const SubSurface* SurfaceSearch::cancelled_faces(const std::vector<DoubledFace>&
         std::vector<Triangle> triangles;
         triangles.reserve(faces.size());
         for (const std::uint32_t face : faces) triangles.push_back(given(face));
-        cancelled_.emplace(mesh_, triangles, std::move(faces));
+        cancelled_.emplace(*mesh_, triangles, std::move(faces));
     }
     return &*cancelled_;
 }

@@ -73,11 +73,11 @@ private:
     Triangle given(std::uint32_t face) const;
     void drop(std::uint32_t face) { triangles_[face][1] = triangles_[face][2] = triangles_[face][0]; }
     void count() {
-        edges_ = count_edges(triangles_, mesh_.vertices().size());
+        edges_ = count_edges(triangles_, mesh_->vertices().size());
         test_.reset();
     }
 
-    const Mesh& mesh_;
+    const Mesh* mesh_;
     std::span<const Triangle> given_;
     std::vector<Triangle> triangles_;  // the surface so far; those that do not count have one vertex
     EdgeCounts edges_;                 // the surface's edges

@@ -141,6 +141,41 @@ OpenLoops rim_of(const Mesh& mesh, std::span<const Triangle> triangles) {
     return loops_of(search.edges());
 }
 
+/// If the surface has no sign: leaves sheets beside bodies out.
+void leave_out_sheets(SurfaceSearch& search, const std::vector<DoubledFace>& doubled, Sheets& sheets) {
+    if (search.is_closed() || search.winding_test().is_clear()) return;
+    const Sheets more = search.leave_out_sheets(doubled);
+    if (!more.left_out.empty() || !search.winding_test_with_covered_parts().is_clear()) add_sheets(more, sheets);
+}
+
+/// Leaves walls of bodies and sheets out, for the rule automatic. Without walls a surface that is not balanced may have
+/// less of a sign than with them, as when they close a hole: then it keeps them.
+Sheets leave_out_walls_and_sheets(SurfaceSearch& search, const std::vector<DoubledFace>& doubled) {
+    const auto quality = [](SurfaceSearch& of) {
+        return of.is_balanced() ? 3 : of.is_closed() ? 2 : of.winding_test().is_clear() ? 1 : 0;
+    };
+    Sheets sheets;
+    if (!search.is_balanced() && search.edges().non_manifold > 0) {
+        SurfaceSearch without_walls = search;
+        sheets = without_walls.leave_out_walls(doubled);
+        if (!sheets.left_out.empty() || without_walls.is_balanced()) {
+            if (!without_walls.is_balanced()) without_walls.orient_parts(doubled);
+            leave_out_sheets(without_walls, doubled, sheets);
+            Sheets as_before;
+            const int reached = quality(without_walls);
+            if (reached < 3) leave_out_sheets(search, doubled, as_before);
+            if (reached == 3 || reached >= quality(search)) {
+                search = std::move(without_walls);
+                return sheets;
+            }
+            return as_before;
+        }
+        sheets = {};
+    }
+    leave_out_sheets(search, doubled, sheets);
+    return sheets;
+}
+
 /// Describes the edges of a mesh's triangles, whose vertices are all different.
 SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles, SignRule asked, Topology& report) {
     constexpr std::size_t grain = 4096;
@@ -173,21 +208,13 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
     }
     if (asked != SignRule::below) search.count_bodies_once(doubled, may_open);
     if (!search.is_balanced() && (search.is_closed() || may_open)) search.orient_parts(doubled);
-    Sheets sheets;
-    if (asked == SignRule::automatic && !search.is_balanced()) {
-        sheets = search.leave_out_walls(doubled);
-        if (!search.is_balanced() && !sheets.left_out.empty()) search.orient_parts(doubled);
-    }
+    Sheets sheets = asked == SignRule::automatic ? leave_out_walls_and_sheets(search, doubled) : Sheets();
     if (search.is_balanced() && search.uncounted() == 0 && sheets.left_out.empty())
         report_doubled_cavities(mesh, search.triangles(), doubled, report);
     if (search.is_balanced() && !doubled.empty()) report_empty_surface(mesh, search.triangles(), report);
     const auto is_open = [&] {
         return !search.is_balanced() && (asked == SignRule::solid_angle || !search.is_closed());
     };
-    if (asked == SignRule::automatic && !search.is_closed() && !search.winding_test().is_clear()) {
-        const Sheets more = search.leave_out_sheets(doubled);
-        if (!more.left_out.empty() || !search.winding_test_with_covered_parts().is_clear()) add_sheets(more, sheets);
-    }
     report_sheets(sheets, report);
     report.joined_vertices = search.joined();
     report.duplicate_faces = doubled.size();

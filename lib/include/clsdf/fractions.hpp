@@ -54,6 +54,9 @@ struct FractionOptions {
 
     /// The options for "plain" (the defaults), "amrex", "chombo" or "vtk". Throws Error(invalid_argument) for others.
     CLSDF_EXPORT static FractionOptions of(std::string_view convention);
+    /// The same with another part. "amrex" and "chombo" are of a flow: what is counted then is the flow, so the wall in
+    /// a face between two cells belongs to its cell, and normals look as seen from it.
+    CLSDF_EXPORT static FractionOptions of(std::string_view convention, CellPart part);
 
     friend bool operator==(const FractionOptions&, const FractionOptions&) = default;
 };
