@@ -24,8 +24,8 @@ Triangle sorted(Triangle face) {
     return face;
 }
 
-/// Faces that may have a gap between them: the corners of `moved` are all near the plane of `fixed`, or stay apart. With
-/// two common vertices they may be halves of one quadrilateral that is divided along both diagonals.
+/// Faces that may have a gap between them: the corners of `moved` are all near the plane of `fixed`, or stay apart.
+/// With two common vertices they may be halves of one quadrilateral that is divided along both diagonals.
 struct Gap {
     std::uint32_t moved, fixed;
     bool is_narrow, has_common_edge;
@@ -33,8 +33,7 @@ struct Gap {
 
 class Gaps {
 public:
-    Gaps(std::vector<Vec3>& vertices, std::vector<Triangle>& triangles, const SignSurface& surface,
-         bool are_inside_out)
+    Gaps(std::vector<Vec3>& vertices, std::vector<Triangle>& triangles, const SignSurface& surface, bool are_inside_out)
         : vertices_(vertices), triangles_(triangles), surface_(surface), way_(are_inside_out ? -1 : 1) {}
 
     /// Adds the gap between two faces that look at each other, one above the other, if there is one.
@@ -65,7 +64,7 @@ public:
             if (std::ranges::find(given, own[k]) == given.end()) ours = own[k];
         }
         if (theirs == none || ours == none) return;  // they are alike already
-        std::vector<std::uint32_t> others;  // the other halves: one has the diagonal of each
+        std::vector<std::uint32_t> others;           // the other halves: one has the diagonal of each
         for (const std::uint32_t common : given) {
             if (common == theirs) continue;
             const Triangle half = sorted({common, theirs, ours});
@@ -187,8 +186,7 @@ ClosedGaps close_gaps(std::vector<Vec3>& vertices, std::vector<Triangle>& triang
         by_group.size(),
         [&](std::size_t group) {
             cancellation.check();
-            boxes.for_each_pair(group,
-                                [&](std::uint32_t a, std::uint32_t b) { all.find(a, b, by_group[group]); });
+            boxes.for_each_pair(group, [&](std::uint32_t a, std::uint32_t b) { all.find(a, b, by_group[group]); });
         },
         16);
     std::vector<Gap> gaps;

@@ -4,6 +4,7 @@
 
 #include "cutting/cancellation.hpp"
 #include "cutting/cut_points.hpp"
+#include "cutting/plane_patches.hpp"
 #include "mesh/box_index.hpp"
 
 #include <array>
@@ -59,8 +60,9 @@ struct FaceSegment {
 /// The faces that meet others elsewhere than at edges and vertices that they share, and where.
 class Meetings {
 public:
-    /// Numbers the points.
-    Meetings(CutPoints& points, std::span<const View> views, const FaceBoxes& boxes, const Cancellation& cancellation);
+    /// Numbers the points. Of faces in one plane the outlines of patches cut each other.
+    Meetings(CutPoints& points, std::span<const View> views, const FaceBoxes& boxes, const PlanePatches& patches,
+             const Cancellation& cancellation);
     /// The same of these pairs of faces alone, the lower one first, which have an area.
     Meetings(CutPoints& points, std::span<const View> views, std::span<const std::array<std::uint32_t, 2>> pairs,
              const Cancellation& cancellation);
@@ -73,8 +75,8 @@ public:
 private:
     /// for_each_pair(group, f) calls f(first, second).
     template <typename ForEachPair>
-    void find(CutPoints& points, std::span<const View> views, std::size_t groups, std::size_t grain,
-              const ForEachPair& for_each_pair, const Cancellation& cancellation);
+    void find(CutPoints& points, std::span<const View> views, const PlanePatches* patches, std::size_t groups,
+              std::size_t grain, const ForEachPair& for_each_pair, const Cancellation& cancellation);
 
     std::vector<FaceSegment> segments_;  // face after face
     std::vector<std::size_t> begins_;

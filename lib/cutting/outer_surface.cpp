@@ -10,6 +10,8 @@
 #include "cutting/outer_mesh.hpp"
 #include "cutting/patches.hpp"
 #include "cutting/piece_sites.hpp"
+#include "cutting/plane_patches.hpp"
+#include "cutting/rejoined.hpp"
 #include "mesh/equal_vertices.hpp"
 #include "surface/corners_in_edges.hpp"
 #include "surface/topology.hpp"
@@ -60,9 +62,9 @@ ResolvedSignRule checked_rule(SignRule asked, const Mesh& mesh, const Topology& 
 
 /// Whole faces that meet no other face, and the pieces of those that do.
 std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views, const cutting::FaceBoxes& boxes,
-                             const Cancellation& cancellation) {
+                             const cutting::PlanePatches& planes, const Cancellation& cancellation) {
     const std::span<const Triangle> triangles = points.triangles();
-    const Meetings meetings(points, views, boxes, cancellation);
+    const Meetings meetings(points, views, boxes, planes, cancellation);
     std::vector<std::uint32_t> met;
     for (std::uint32_t face = 0; face < triangles.size(); ++face)
         if (!meetings.of(face).empty()) met.push_back(face);
@@ -273,22 +275,22 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
     }
     if (!for_transform && call.log && !resolved.warning.empty()) call.log(resolved.warning);
     CutPoints points(scaled, triangles);
-    const std::vector<Piece> pieces = pieces_of(points, views, boxes, cancellation);
-    const std::vector<Fate> fates = cutting::fates_of(points, views, boxes, pieces, surface, rule, cancellation);
+    const cutting::PlanePatches planes(scaled, triangles, surface);
+    const std::vector<Piece> pieces = pieces_of(points, views, boxes, planes, cancellation);
+    const std::vector<Fate> fates =
+        cutting::fates_of(points, views, boxes, pieces, planes, surface, rule, cancellation);
 
+    std::vector<std::array<std::uint32_t, 2>> counts(face_count);  // kept and dropped
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+        if (pieces[i].face < face_count) ++counts[pieces[i].face][fates[i] == Fate::dropped ? 1 : 0];
+    const std::vector<Piece> kept_pieces = cutting::rejoined(points, views, pieces, fates, cancellation);
     constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> numbers(points.size(), none);
     std::vector<Vec3> vertices;
     std::vector<Triangle> kept;
     std::vector<std::uint32_t> faces;
-    std::vector<Piece> kept_pieces;
-    std::vector<std::array<std::uint32_t, 2>> counts(face_count);  // kept and dropped
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        if (pieces[i].face < face_count) ++counts[pieces[i].face][fates[i] == Fate::dropped ? 1 : 0];
-        if (fates[i] == Fate::dropped) continue;
-        Triangle corners = pieces[i].corners;
-        if (fates[i] == Fate::flipped) std::swap(corners[1], corners[2]);
-        kept_pieces.push_back({corners, pieces[i].face});
+    for (const Piece& piece : kept_pieces) {
+        Triangle corners = piece.corners;
         for (std::uint32_t& corner : corners) {
             if (numbers[corner] == none) {
                 numbers[corner] = static_cast<std::uint32_t>(vertices.size());
@@ -301,7 +303,7 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
             corner = numbers[corner];
         }
         kept.push_back(corners);
-        faces.push_back(face_of(pieces[i].face));
+        faces.push_back(face_of(piece.face));
     }
     if (kept.empty())
         throw Error(

@@ -46,8 +46,8 @@ std::vector<std::uint32_t> patches_of(std::span<const Piece> pieces, std::size_t
     return patches;
 }
 
-/// The winding numbers beside a point of a face, above it along an axis and below, and the lowest face in which it
-/// lies.
+/// The winding numbers beside a point of a face, above it along an axis and below, and the face of the lowest patch in
+/// which it lies.
 struct Windings {
     int above = 0, below = 0;
     std::uint32_t lowest = 0;
@@ -55,8 +55,10 @@ struct Windings {
 
 /// Nothing if the ray upwards meets an edge.
 std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, const View& view,
-                                    const CutPoints& points, const FaceBoxes& boxes, const SignSurface& surface) {
+                                    const CutPoints& points, const FaceBoxes& boxes, const PlanePatches& planes,
+                                    const SignSurface& surface) {
     Windings found{0, 0, own};
+    const auto rank = [&](std::uint32_t face) { return std::pair(planes.lowest(face), face); };
     const std::size_t axis = view.axis;
     const auto corner = [&](std::uint32_t face, std::size_t i) { return points.vertex(points.triangles()[face][i]); };
     // Whether the face lies in the plane of its own.
@@ -86,7 +88,7 @@ std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, 
         const int count = direction * surface.count(face);
         if (side == 0) {
             found.below += count;
-            found.lowest = std::min(found.lowest, face);
+            if (rank(face) < rank(found.lowest)) found.lowest = face;
         } else if (side * direction < 0) {
             found.above += count;
         }
@@ -100,8 +102,8 @@ std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, 
 }  // namespace
 
 std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views, const FaceBoxes& boxes,
-                           std::span<const Piece> pieces, const SignSurface& surface, SignRule rule,
-                           const Cancellation& cancellation) {
+                           std::span<const Piece> pieces, const PlanePatches& planes, const SignSurface& surface,
+                           SignRule rule, const Cancellation& cancellation) {
     const std::vector<std::uint32_t> patches = patches_of(pieces, points.size());
     std::vector<double> areas(pieces.size());
     for_each_index(pieces.size(), [&](std::size_t i) { areas[i] = twice_area(points, pieces[i].corners); });
@@ -123,7 +125,7 @@ std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views,
                 cancellation.check();
                 const Vec3 weights{1, t, t * t};
                 CutPoints::Inner point(points, piece.corners, weights);
-                windings = windings_at(point, piece.face, view, points, boxes, surface);
+                windings = windings_at(point, piece.face, view, points, boxes, planes, surface);
             }
             if (windings->lowest != piece.face) return;
             int front = windings->above, back = windings->below;

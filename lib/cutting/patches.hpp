@@ -27,10 +27,10 @@ enum class Fate : std::int8_t {
 };
 
 /// Keeps the pieces that have nothing of the inside in front and something behind, or the other way round; of pieces
-/// that lie in each other, those of the lowest face. One exact winding number decides about a patch: pieces that are
-/// joined over edges of exactly two. rule: nonzero or parity.
+/// that lie in each other, those of the patch with the lowest face. One exact winding number decides about a patch:
+/// pieces that are joined over edges of exactly two. rule: nonzero or parity.
 std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views, const FaceBoxes& boxes,
-                           std::span<const Piece> pieces, const SignSurface& surface, SignRule rule,
-                           const Cancellation& cancellation);
+                           std::span<const Piece> pieces, const PlanePatches& planes, const SignSurface& surface,
+                           SignRule rule, const Cancellation& cancellation);
 
 }  // namespace clsdf::cutting

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <vector>
 
@@ -222,6 +223,79 @@ BOOST_AUTO_TEST_CASE(houses_on_their_ground) {
                      random.uniform(0.1, 1)};
     }
     check_boxes(boxes, random, "houses");
+}
+
+/// Prisms around one axis that stand on one plane, the narrower ones higher, each a lid, a bottom and `corners` sides.
+Mesh stacked_prisms(std::uint32_t corners, std::uint32_t count, bool is_widest_first) {
+    std::vector<Mesh> meshes;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const std::uint32_t from_inside = is_widest_first ? count - k : k + 1;
+        std::vector<Vec3> vertices;
+        for (std::uint32_t i = 0; i < 2 * corners; ++i) {
+            const double angle = 2 * std::numbers::pi * ((i % corners) + 0.3 * from_inside) / corners;
+            vertices.push_back({from_inside * std::cos(angle), from_inside * std::sin(angle),
+                                i < corners ? 0.0 : static_cast<double>(count + 1 - from_inside)});
+        }
+        std::vector<Triangle> triangles;
+        for (std::uint32_t i = 0; i < corners; ++i) {
+            const std::uint32_t next = (i + 1) % corners;
+            triangles.push_back({i, next, corners + next});
+            triangles.push_back({i, corners + next, corners + i});
+            if (i == 0 || next == 0) continue;
+            triangles.push_back({0, next, i});
+            triangles.push_back({corners, corners + i, corners + next});
+        }
+        meshes.emplace_back(std::move(vertices), std::move(triangles), "prism");
+    }
+    return together(meshes, "prisms");
+}
+
+BOOST_AUTO_TEST_CASE(faces_of_one_plane_are_cut_by_outlines) {
+    Random random(7);
+    constexpr std::uint32_t corners = 64, count = 6;
+    for (const bool is_widest_first : {true, false}) {
+        const Mesh given = stacked_prisms(corners, count, is_widest_first);
+        const OuterSurface surface = outer(given);
+        check_boundary(given, surface, random, 20);
+        // A disk has two triangles less than corners, a ring as many as corners on both circles, a band two for each of
+        // its sides. Each triangle is a part of one face: so where an inner edge of a lid or of a band meets a circle,
+        // there is a corner, and the faces on both sides have one triangle more.
+        std::size_t met = (count - 1) * corners;  // by the bands
+        for (std::uint32_t k = 1; k < count; ++k) {
+            const auto at = [](std::uint32_t radius, std::uint32_t i) {
+                const double angle = 2 * std::numbers::pi * (i + 0.3 * radius) / corners;
+                return std::array{radius * std::cos(angle), radius * std::sin(angle)};
+            };
+            const auto first = at(k + 1, 0);
+            for (std::uint32_t i = 2; i + 1 < corners; ++i) {
+                const auto last = at(k + 1, i);
+                const auto is_left = [&](const std::array<double, 2>& p) {
+                    return (last[0] - first[0]) * (p[1] - first[1]) > (last[1] - first[1]) * (p[0] - first[0]);
+                };
+                for (std::uint32_t j = 0; j < corners; ++j) met += is_left(at(k, j)) != is_left(at(k, j + 1));
+            }
+        }
+        std::size_t fewest = 2 * (corners - 2) + 2 * corners * count + 2 * corners * (count - 1) + 2 * met;
+        // The bottom is of the prism with the lowest faces: in rings, or the widest one's alone.
+        if (!is_widest_first) fewest += 2 * (corners * (count - 1) + met - (count - 1) * corners);
+        BOOST_TEST(surface.mesh.triangles().size() == fewest);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(houses_on_a_slab_share_its_plane) {
+    std::vector<Box> boxes{{{0, 0, -1}, {40, 40, 0}}};
+    for (int i = 0; i < 400; ++i) {
+        const double x = 2 * (i % 20) + 0.5, y = 2 * (i / 20) + 0.5;
+        boxes.push_back({{x, y, 0}, {x + 1, y + 1, 1 + (i % 7) / 4.0}});
+    }
+    Random random(8);
+    check_boxes(boxes, random, "houses on a slab");
+    std::vector<Mesh> meshes;
+    for (const Box& box : boxes) meshes.push_back(box_mesh(box, 0));
+    // A house has walls and a roof. The slab's top has a hole below each house, and two halves: their edge meets the
+    // outlines of the twenty houses on it in corners of holes.
+    const std::size_t fewest = 400 * 10 + 10 + 400 * 6 + 2;
+    BOOST_TEST(outer(together(meshes, "houses on a slab")).mesh.triangles().size() == fewest);
 }
 
 BOOST_AUTO_TEST_CASE(a_mesh_without_meetings_stays) {

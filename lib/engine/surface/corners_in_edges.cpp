@@ -26,8 +26,7 @@ Foot foot_of(const Vec3& from, const Vec3& to, const Vec3& point) {
     const auto difference = [](const Vec3& a, const Vec3& b) { return Vec3{a[0] - b[0], a[1] - b[1], a[2] - b[2]}; };
     const Vec3 edge = difference(to, from), way = difference(point, from);
     const double squared = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2];
-    const double along =
-        squared > 0 ? (way[0] * edge[0] + way[1] * edge[1] + way[2] * edge[2]) / squared : 0;
+    const double along = squared > 0 ? (way[0] * edge[0] + way[1] * edge[1] + way[2] * edge[2]) / squared : 0;
     return {along, length_of({way[0] - along * edge[0], way[1] - along * edge[1], way[2] - along * edge[2]})};
 }
 

@@ -15,7 +15,7 @@ namespace clsdf {
 struct OuterSurface {
     /// Closed and balanced; faces look outwards. Its groups are those of the faces as given.
     Mesh mesh;
-    /// The number of the face as given that each triangle of `mesh` is a part of; the lowest of coincident faces.
+    /// The number of the face as given that each triangle of `mesh` is a part of; of coincident faces one.
     std::vector<std::uint32_t> faces;
 
     std::size_t whole_faces = 0;    ///< faces as given that are on the outer surface wholly,
