@@ -262,6 +262,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     if (sign.rule == clsdf::SignRule::none && !options.band_inside.empty())
         report.warn("--band-inside has no effect, because the field has no sign");
     report.warn(warning_of_size(layout.grid, layout.mesh.box()));
+    report.warn(warning_between_samples(layout.grid, layout.mesh.box(), layout.sign));
     report.warn(warning_of_narrow_band(layout.grid, layout.band, layout.sign));
     report.warn(warning_of_polyhedra(layout));
     report.warn(warning_of_format(layout, options.output));

@@ -117,6 +117,8 @@ std::string warning_of_polyhedra(const ComputeLayout& layout);
 std::string warning_of_narrow_band(const clsdf::Grid& grid, const clsdf::Band& band, clsdf::SignRule sign);
 /// A warning if the box around the mesh is smaller than a voxel, as in another unit.
 std::string warning_of_size(const clsdf::Grid& grid, const clsdf::Box& mesh);
+/// A warning if the mesh has a sign, and is so thin along an axis that no sample can be inside.
+std::string warning_between_samples(const clsdf::Grid& grid, const clsdf::Box& mesh, clsdf::SignRule sign);
 /// "no sample lies within the band's limits: the grid reaches from ..., the mesh from ...". nothing: its beginning.
 std::string warning_of_nothing(const std::string& nothing, const clsdf::Grid& grid, const clsdf::Box& mesh);
 std::string warning_of_memory(const ComputeLayout& layout);

@@ -238,6 +238,22 @@ std::string warning_of_size(const clsdf::Grid& grid, const clsdf::Box& mesh) {
     return fmt::format("the longest side of the mesh is {:.3g} voxels; is it in the grid's unit? (--scale)", side);
 }
 
+std::string warning_between_samples(const clsdf::Grid& grid, const clsdf::Box& mesh, clsdf::SignRule sign) {
+    if (sign == clsdf::SignRule::none) return {};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto cells = [&](double x) { return (x - grid.origin[axis]) / grid.spacing[axis]; };
+        const double from = cells(mesh.lower[axis]), to = cells(mesh.upper[axis]);
+        const auto first = static_cast<double>(grid.first[axis]);
+        const double last = first + static_cast<double>(grid.size[axis] - 1);
+        if (from < first || to > last || std::ceil(from) <= to) continue;
+        return fmt::format(
+            "the mesh is {:.3g} spacings wide along {} and lies between two samples, so none is inside; choose a finer "
+            "grid, or another origin",
+            to - from, "xyz"[axis]);
+    }
+    return {};
+}
+
 std::string warning_of_nothing(const std::string& nothing, const clsdf::Grid& grid, const clsdf::Box& mesh) {
     return fmt::format("{}: the grid reaches from {}, the mesh from {}", nothing, human_box(box_of(grid)),
                        human_box(mesh));

@@ -66,6 +66,7 @@ clsdf::Field compute(const SceneFile& file, const SceneMeshes& meshes, const Com
     const clsdf::Grid grid = request.grid_around(box);
     const clsdf::Band band = request.band_on(grid, box);
     report.warn(warning_of_size(grid, box));
+    report.warn(warning_between_samples(grid, box, scene.sign()));
     report.warn(warning_of_narrow_band(grid, band, scene.sign()));
     if (options.positive_inside && band.has_signs_only)
         throw Error(ErrorCode::invalid_argument,

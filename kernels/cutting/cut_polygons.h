@@ -240,7 +240,7 @@ CUT_INLINE bool make_piece(__private const CutPolygon* polygon, clsdf_int32 numb
     return piece->twice.at[0] != 0 || piece->twice.at[1] != 0 || piece->twice.at[2] != 0;
 }
 
-// Whether an edge has a part in a cell.
+// Whether an edge has a part in a cell that is longer than a point.
 CUT_INLINE bool edge_meets_cell(CutPoint p, CutPoint q, CutVector low) {
     const CutVector start = from_corner(p, low), way = cut_way(p, q);
     double from = 0, to = 1;
@@ -254,7 +254,7 @@ CUT_INLINE bool edge_meets_cell(CutPoint p, CutPoint q, CutVector low) {
         from = greater_of(from, lesser_of(one, other));
         to = lesser_of(to, greater_of(one, other));
     }
-    return from <= to;
+    return from < to;
 }
 
 #endif

@@ -4,6 +4,7 @@
 #include "core/floating_point.hpp"
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "core/vectors.hpp"
 #include "cutting/cancellation.hpp"
 #include "cutting/cut_slab.hpp"
 #include "cutting/fraction_checks.hpp"
@@ -319,6 +320,36 @@ FractionOptions FractionOptions::of(std::string_view convention, CellPart part) 
     return options;
 }
 
+namespace {
+
+/// Triangles that run across planes between cells, and of which snap leaves nothing: what they bound is flattened.
+void warn_of_flattened(const Mesh& mesh, const Grid& grid, double snap, const CallOptions& call) {
+    if (!call.log || snap == 0) return;
+    std::size_t count = 0, first = 0;
+    for (std::size_t face = 0; face < mesh.triangles().size(); ++face) {
+        std::array<Vec3, 3> corners;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                corners[i][axis] = place_of(mesh.vertices()[mesh.triangles()[face][i]], grid, axis);
+        const Vec3 normal = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double plane = std::nearbyint(corners[0][axis]);
+            const auto is_snapped = [&](const Vec3& corner) { return std::abs(corner[axis] - plane) <= snap; };
+            if (!std::ranges::all_of(corners, is_snapped) || !(std::abs(normal[axis]) < 0.5 * length(normal))) continue;
+            if (count++ == 0) first = face;
+            break;
+        }
+    }
+    if (count > 0)
+        call.log(
+            fmt::format("{}: snap {:g} moves all corners of {} (the first is triangle {}) onto one plane between "
+                        "cells: the wall there "
+                        "is thinner than that, and is flattened; choose a smaller snap",
+                        mesh.name(), snap, count == 1 ? "1 triangle" : fmt::format("{} triangles", count), first));
+}
+
+}  // namespace
+
 void fractions(const OuterSurface& surface, std::span<const Grid> grids, const FractionSink& sink,
                const FractionOptions& options, const CallOptions& call) {
     cutting::check_options(options);
@@ -326,6 +357,7 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
     if (!sink) throw Error(ErrorCode::invalid_argument, "fractions of cells need a sink, and it is empty");
     with_host_memory("for the cells of the grids; take parts of them, one after the other", [&] {
         const Cancellation cancellation(call.should_stop, "the search for cut cells");
+        if (!grids.empty()) warn_of_flattened(surface.mesh, grids.front(), options.snap, call);
         Lattices lattices(surface.mesh, grids, options);
         for (std::size_t begin = 0, end = 0; begin < grids.size(); begin = end) {
             double cells = 0;  // of any size

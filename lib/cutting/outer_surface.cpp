@@ -136,19 +136,25 @@ bool are_balanced(std::span<const Triangle> triangles) {
     return true;
 }
 
+/// In long double: of slivers the products cancel each other.
 void measure(OuterSurface& surface) {
-    const Vec3& origin = surface.mesh.box().lower;
-    double volume = 0, area = 0;
+    using Vector = std::array<long double, 3>;
+    const std::vector<Vec3>& vertices = surface.mesh.vertices();
+    const auto way = [](const Vec3& to, const Vec3& from) {
+        Vector found;
+        for (std::size_t k = 0; k < 3; ++k) found[k] = static_cast<long double>(to[k]) - from[k];
+        return found;
+    };
+    const auto dot_of = [](const Vector& u, const Vector& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; };
+    long double volume = 0, area = 0;
     for (const auto& [a, b, c] : surface.mesh.triangles()) {
-        const std::vector<Vec3>& vertices = surface.mesh.vertices();
-        const Vec3 p = difference(vertices[a], origin), q = difference(vertices[b], origin),
-                   r = difference(vertices[c], origin);
-        const Vec3 normal = cross(difference(q, p), difference(r, p));
-        volume += dot(p, normal);
-        area += length(normal);
+        const Vector u = way(vertices[b], vertices[a]), v = way(vertices[c], vertices[a]);
+        const Vector normal{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+        volume += dot_of(way(vertices[a], surface.mesh.box().lower), normal);
+        area += std::sqrt(dot_of(normal, normal));
     }
-    surface.volume = volume / 6;
-    surface.area = area / 2;
+    surface.volume = static_cast<double>(volume / 6);
+    surface.area = static_cast<double>(area / 2);
 }
 
 /// Whether the kept pieces are the faces as given, all of them.

@@ -175,6 +175,20 @@ BOOST_AUTO_TEST_CASE(of_a_narrow_band_name_a_wider_one) {
     check_mesh(cube(1), {"0.1 voxels wide", "choose --band 2v or more"}, {"--band", "0.1v"});
 }
 
+BOOST_AUTO_TEST_CASE(of_a_mesh_between_samples_say_that_none_is_inside) {
+    const MeshFile file(plate(0.001));
+    const auto with_box = [&](const char* corners) {
+        return std::vector<std::string>{"compute", file.path, "--dry-run", "--cells",
+                                        "12,12,3", corners,   "--band",    "1"};
+    };
+    check_two_lines(with_box("--box=-1.5,-1.5,-0.3,1.5,1.5,0.45"),
+                    {"0.004 spacings wide along z", "between two samples", "choose a finer grid"});
+    std::vector<std::string> meets = with_box("--box=-1.5,-1.5,-0.25,1.5,1.5,0.5");
+    meets.emplace_back("--quiet");
+    const Outcome one_inside = run_command(meets, no_devices);
+    BOOST_TEST(one_inside.error.empty(), one_inside.error);
+}
+
 BOOST_AUTO_TEST_CASE(of_bad_facets_count_them_and_errors_name_the_option) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("a.obj",

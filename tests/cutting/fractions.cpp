@@ -559,6 +559,33 @@ BOOST_AUTO_TEST_CASE(two_walls_of_a_wedge_are_two_pieces) {
     BOOST_TEST(std::abs(found.cells[0].volume - 0.2) < 1e-12);
 }
 
+BOOST_AUTO_TEST_CASE(an_edge_through_a_corner_of_a_cell_joins_nothing) {
+    // The faces at the edge from P to Q cross the cell; the edge meets it in the corner (1, 1, 1) alone.
+    const Mesh tetrahedron({{9, -7, 1}, {-7, 9, 1}, {-15, -15, -7}, {-3, -3, -15}},
+                           {{0, 1, 3}, {0, 2, 1}, {0, 3, 2}, {1, 2, 3}}, "tetrahedron");
+    const Fractions found = fractions(tetrahedron, Grid{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}});
+    BOOST_REQUIRE(found.cells.size() == 1U);
+    BOOST_TEST(found.cells[0].pieces == 2U);
+}
+
+BOOST_AUTO_TEST_CASE(what_snap_flattens_is_warned_of) {
+    const auto warnings = [](double thickness, double snap) {
+        std::string told;
+        FractionOptions options;
+        options.snap = snap;
+        CallOptions call;
+        call.log = [&](const std::string& message) { told += message; };
+        fractions(outer(box({0.5, 0.5, 0}, {3.5, 3.5, thickness})), Grid{{0, 0, -1}, {1, 1, 1}, {5, 5, 3}}, options,
+                  call);
+        return told;
+    };
+    BOOST_TEST(warnings(4e-4, 1e-3).find("8 triangles") != std::string::npos);
+    BOOST_TEST(warnings(4e-4, 1e-3).find("snap 0.001") != std::string::npos);
+    BOOST_TEST(warnings(4e-4, 1e-9).empty());
+    BOOST_TEST(warnings(1e-10, 1e-9).find("8 triangles") != std::string::npos);
+    BOOST_TEST(warnings(1 + 1e-10, 1e-9).empty());
+}
+
 BOOST_AUTO_TEST_CASE(conventions_are_one_row_told_in_other_ways) {
     const Mesh mesh = make_shape("knot");
     const OuterSurface surface = outer(mesh);
