@@ -245,7 +245,7 @@ std::string warning_between_samples(const clsdf::Grid& grid, const clsdf::Box& m
         const double from = cells(mesh.lower[axis]), to = cells(mesh.upper[axis]);
         const auto first = static_cast<double>(grid.first[axis]);
         const double last = first + static_cast<double>(grid.size[axis] - 1);
-        if (from < first || to > last || std::ceil(from) <= to) continue;
+        if (from < first || to > last || from == to || std::ceil(from) <= to) continue;
         return fmt::format(
             "the mesh is {:.3g} spacings wide along {} and lies between two samples, so none is inside; choose a finer "
             "grid, or another origin",
