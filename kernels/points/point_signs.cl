@@ -14,18 +14,18 @@
 #pragma OPENCL FP_CONTRACT OFF
 
 // The faces of the surface. Positions are in units, from the origin of the caller's coordinates.
-typedef struct CrossedFaces {
+typedef struct RayFaces {
     uint count;
     __global const uint* order;      // of the binary tree: the face of each place
     __global const uint* triangles;  // numbers of vertices
     __global const double* positions;
     uint are_counted;
     __global const char* counts;  // how often each face counts for the sign, if that is not always once
-} CrossedFaces;
+} RayFaces;
 
 // A point, or the ray from it. `winding` and `crossings`: those of the ray.
 typedef struct Ray {
-    CrossedFaces faces;
+    RayFaces faces;
     double3 from;
     PointBox box;     // around it, in units from the lattice's origin
     bool is_crossed;  // else the faces are looked for that have the point on them
@@ -41,7 +41,7 @@ INLINE bool is_beyond(double a, double b, double c, double lower, double upper) 
 
 // Whether a face has the point on it. If not, its crossing is added.
 INLINE bool visit_face(uint face, __private Ray* ray) {
-    __private const CrossedFaces* faces = &ray->faces;
+    __private const RayFaces* faces = &ray->faces;
     const double3 p = ray->from;
     const int counts = faces->are_counted && ray->is_crossed ? faces->counts[face] : 1;
     if (counts == 0) return false;

@@ -4,7 +4,7 @@
 #include "device/read_back.hpp"
 #include "targets/ordered_bricks.hpp"
 #include "targets/stored_boxes.hpp"
-#include "targets/stored_links.hpp"
+#include "targets/stored_rows.hpp"
 
 #include <algorithm>
 #include <array>
@@ -78,12 +78,12 @@ bool stores_links_right(const device::Context& context, const cl::Program& progr
     std::vector<std::array<cl_int, 3>> samples(count);
     std::vector<cl_uchar> directions(count);
     std::vector<Part> parts(count);
-    targets::ItemPlace rows{.first = 3 * width,
-                            .strides = {static_cast<std::ptrdiff_t>(5 * width)},
-                            .component_stride = -static_cast<std::ptrdiff_t>(width),
-                            .components = 3,
-                            .width = width};
-    targets::ItemPlace fields{
+    targets::ItemLayout rows{.first = 3 * width,
+                             .strides = {static_cast<std::ptrdiff_t>(5 * width)},
+                             .component_stride = -static_cast<std::ptrdiff_t>(width),
+                             .components = 3,
+                             .width = width};
+    targets::ItemLayout fields{
         .first = 2000 * width,
         .strides = {static_cast<std::ptrdiff_t>(2 * width), static_cast<std::ptrdiff_t>(24 * width),
                     static_cast<std::ptrdiff_t>(150 * width)},
@@ -116,7 +116,7 @@ bool stores_links_right(const device::Context& context, const cl::Program& progr
     }
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, to.size() * width, to.data());
     rows.memory = fields.memory = memory();
-    const targets::LinkStore store(context, program);
+    const targets::RowStore store(context, program);
     engine::CommandChain chain(context.queue(), {});
     store.enqueue_items(chain, device::copied(context, values), count, rows);
     store.enqueue_fields(
@@ -134,7 +134,7 @@ bool stores_bytes_right(const device::Context& context, const cl::Program& progr
         expected[2 * n + 1] = values[n] = static_cast<cl_uchar>(n * 7 % 251);
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, to.size(), to.data());
     engine::CommandChain chain(context.queue(), {});
-    targets::LinkStore(context, program)
+    targets::RowStore(context, program)
         .enqueue_items(chain, device::copied(context, values), values.size(),
                        {.memory = memory(), .first = 1, .strides = {2}, .component_stride = 1, .width = 1});
     device::read_values(context, memory, to);

@@ -7,7 +7,7 @@ namespace clsdf::checks {
 /// The program that stores boxes of samples in the caller's buffers: targets::BoxStore.
 TestSubject stored_boxes_subject(const Device& device, const engine::Programs& programs);
 
-/// The same program, which stores links: targets::LinkStore.
+/// The same program, which stores links: targets::RowStore.
 TestSubject stored_links_subject(const Device& device, const engine::Programs& programs);
 
 /// The program that puts bricks in order: targets::BrickStore.

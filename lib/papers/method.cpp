@@ -1,7 +1,7 @@
 #include <clsdf/error.hpp>
 #include <clsdf/papers.hpp>
 
-#include "calls/transform_access.hpp"
+#include "calls/transform/transform_access.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
 #include "device/read_back.hpp"

@@ -3,8 +3,8 @@
 #include "cutting/fraction_checks.hpp"
 #include "mesh/input_arrays.hpp"
 #include "points/device_points.hpp"
-#include "segments/result_arrays.hpp"
 #include "targets/mapped_memory.hpp"
+#include "targets/row_arrays.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <initializer_list>
+#include <span>
 #include <utility>
 
 namespace clsdf::plans {
@@ -21,67 +21,53 @@ namespace clsdf::plans {
 namespace {
 
 using cutting::StoredNumbers;
-using segments::ResultArray;
-
-/// The members of rows, but for `full`.
-std::array<const OutputArray*, 9> members_of(const FractionRows& rows) {
-    return {&rows.cells,       &rows.pieces,           &rows.volume,         &rows.centroid,      &rows.area,
-            &rows.vector_area, &rows.surface_centroid, &rows.face_fractions, &rows.face_centroids};
-}
+using targets::ResultArray;
 
 bool is_on_host(const OutputArray& array) {
     return array.is_given() && array.device == nullptr;
 }
 
 cutting::StoredCells stored(const ResultArray& array, std::size_t member, cutting::StoredNumbers numbers) {
-    const targets::ItemPlace place = array.place();
-    return {place.memory, place.first, place.strides[0], place.component_stride, static_cast<int>(place.components),
-            member,       numbers};
+    const targets::ItemLayout layout = array.layout();
+    return {
+        layout.memory, layout.first, layout.strides[0], layout.component_stride, static_cast<int>(layout.components),
+        member,        numbers};
 }
 
 }  // namespace
 
-bool has_rows(const FractionRows& rows) {
-    return std::ranges::any_of(members_of(rows), [](const OutputArray* array) { return array->is_given(); });
-}
-
 bool are_on_device(const FractionRows& rows) {
-    return !is_on_host(rows.full) &&
-           std::ranges::none_of(members_of(rows), [](const OutputArray* array) { return is_on_host(*array); });
+    return !is_on_host(rows.full) && std::ranges::none_of(cell_columns, [&](const CellColumn& column) {
+        return is_on_host(rows.*column.target);
+    });
 }
 
 StoredRows::StoredRows(const FractionRows& rows, const Grid& grid, const device::Context& context)
     : has_pieces(rows.pieces.is_given()) {
     using enum ElementType;
-    const auto array_of = [&](const OutputArray& array, const char* name, std::size_t items, std::size_t components,
-                              std::initializer_list<ElementType> types) {
-        ResultArray checked = ResultArray::on_device(array, name, {static_cast<std::int64_t>(items), 1, 1}, components,
-                                                     types, context, false);
-        if (checked.is_given() && items > 0) written.push_back(checked.written());
-        return checked;
+    const auto array_of = [&](const OutputArray& array, const char* name, const Index3& size, std::size_t components,
+                              const ElementTypes& types) {
+        return ResultArray::on_device(array, name, size, components, types, context, false);
     };
-    const auto add = [&](const OutputArray& array, const char* name, std::size_t components, std::size_t member,
-                         std::initializer_list<ElementType> types = {float64, float32}) {
-        const ResultArray checked = array_of(array, name, rows.room, components, types);
-        const ElementType type = checked.type();
-        if (checked.is_given() && rows.room > 0)
-            members.push_back(stored(checked, member,
-                                     type == float64   ? StoredNumbers::doubles
-                                     : type == float32 ? StoredNumbers::floats
-                                                       : StoredNumbers::words));
-    };
-    add(rows.cells, "the array of cells", 3, offsetof(CellFraction, cell), {int32});
-    add(rows.pieces, "the array of pieces", 1, offsetof(CellFraction, pieces), {uint32, int32});
-    add(rows.volume, "the array of volumes", 1, offsetof(CellFraction, volume));
-    add(rows.centroid, "the array of centroids", 3, offsetof(CellFraction, centroid));
-    add(rows.area, "the array of areas", 1, offsetof(CellFraction, area));
-    add(rows.vector_area, "the array of vector areas", 3, offsetof(CellFraction, vector_area));
-    add(rows.surface_centroid, "the array of the surface's centroids", 3, offsetof(CellFraction, surface_centroid));
-    add(rows.face_fractions, "the array of fractions of faces", 6, offsetof(CellFraction, face_fractions));
-    add(rows.face_centroids, "the array of centroids of faces", 12, offsetof(CellFraction, face_centroids));
+    const targets::RowArrays<CellColumn> arrays(cell_columns, rows, array_of);
+    arrays.add_to(written);
+    const std::vector<CellFraction> one(1);  // for the places of its members
+    arrays.for_each_given([&](std::size_t n, const ResultArray& array) {
+        if (rows.room == 0) return;
+        const std::byte* const member = cell_columns[n].values(one).first;
+        members.push_back(stored(array,
+                                 static_cast<std::size_t>(member - reinterpret_cast<const std::byte*>(one.data())),
+                                 array.type() == float64   ? StoredNumbers::doubles
+                                 : array.type() == float32 ? StoredNumbers::floats
+                                                           : StoredNumbers::words));
+    });
     if (!rows.full.is_given()) return;
     const auto [nx, ny, nz] = Fractions{grid, {}, {}}.counts();
-    full = stored(array_of(rows.full, "the array of full cells", nx * ny * nz, 1, {uint8}), 0, StoredNumbers::words);
+    const std::size_t count = nx * ny * nz;
+    const ResultArray of_full =
+        array_of(rows.full, "the array of full cells", {static_cast<std::int64_t>(count), 1, 1}, 1, {uint8});
+    written.push_back(of_full.written());
+    full = stored(of_full, 0, StoredNumbers::words);
 }
 
 void StoredRows::enqueue(const cutting::DeviceFractions& cuts, const engine::DeviceTools& tools,
@@ -164,7 +150,9 @@ void FractionPlanState::enqueue(const RunOptions& options, const InputArray* ver
     }
     targets::refuse_overlap(stored.written);
     // Full cells alone need no room.
-    const std::size_t most = has_rows(rows) ? rows.room : rows.full.is_given() ? SIZE_MAX : asked().room;
+    const std::size_t most = targets::has_rows(cell_columns, rows) ? rows.room
+                             : rows.full.is_given()                ? SIZE_MAX
+                                                                   : asked().room;
     run(options, [&](engine::CommandChain& chain) {
         const engine::Launches launches(chain, context.kernels());
         const engine::DeviceTools tools = this->tools();

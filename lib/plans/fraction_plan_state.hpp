@@ -28,8 +28,7 @@ struct StoredRows {
                  const engine::Launches& launches) const;
 };
 
-/// Whether an array of rows is given, and whether all that are given are in memory of the device.
-bool has_rows(const FractionRows& rows);
+/// Whether all arrays that are given are in memory of the device.
 bool are_on_device(const FractionRows& rows);
 
 struct AskedFractions {

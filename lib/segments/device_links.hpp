@@ -6,9 +6,11 @@
 #include "sign/exact_sides.hpp"
 
 #include <clsdf/grid.hpp>
+#include <clsdf/row_tables.hpp>
 #include <clsdf/segments.hpp>
 #include <clsdf/topology.hpp>
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -31,17 +33,24 @@ struct DeviceLinkInputs {
 struct DeviceLinks {
     using Lease = device::BufferPool::Lease;
 
-    std::size_t row_bytes() const {
-        std::size_t bytes = inside.bytes();
-        for (const Lease* lease : {&samples, &directions, &q, &q_floats, &triangles, &counts, &flags})
-            bytes += lease->bytes();
-        return bytes;
-    }
+    std::size_t row_bytes() const;
 
     std::size_t count = 0;
     Lease inside;  ///< a byte for each sample
-    Lease samples, directions, q, q_floats, triangles, counts, flags;
+    Lease samples, directions, q, triangles, counts, flags;
+    Lease q_floats;  ///< as_float_part()
 };
+
+/// The members of DeviceLinks, as link_columns.
+inline constexpr std::array device_columns{&DeviceLinks::samples,   &DeviceLinks::directions, &DeviceLinks::q,
+                                           &DeviceLinks::triangles, &DeviceLinks::counts,     &DeviceLinks::flags};
+static_assert(device_columns.size() == link_columns.size());
+
+inline std::size_t DeviceLinks::row_bytes() const {
+    std::size_t bytes = inside.bytes() + q_floats.bytes();
+    for (const auto column : device_columns) bytes += (this->*column).bytes();
+    return bytes;
+}
 
 /// Waits, but not for `inside`, which is enqueued. most: if there are more links, there are no rows. Throws as
 /// find_links() does, and Error(device_failure).

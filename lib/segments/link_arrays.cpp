@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <span>
 #include <vector>
 
 namespace clsdf::segments {
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::size_t rows_together = 4096;
 
-void set_part(const ResultArray& array, const auto& item, std::size_t component, double q) {
+void set_part(const targets::ResultArray& array, const auto& item, std::size_t component, double q) {
     if (array.type() == ElementType::float64)
         array.set(item, component, q);
     else
@@ -25,57 +26,39 @@ void set_part(const ResultArray& array, const auto& item, std::size_t component,
 
 LinkArrays::LinkArrays(const LinkTargets& given, const Grid& grid, std::size_t directions,
                        targets::MappedMemory& memory)
-    : room_(given.room), field_count_(directions), grid_(grid) {
+    : field_count_(directions),
+      grid_(grid),
+      rows_(link_columns, given,
+            [&](const OutputArray& array, const char* name, const Index3& size, std::size_t components,
+                const ElementTypes& types) {
+                return targets::ResultArray(array, name, size, components, types, memory);
+            }) {
     using enum ElementType;
-    const Index3 row{static_cast<std::int64_t>(room_), 1, 1};
-    samples_ = {given.samples, "the array of samples", row, 3, {int32}, memory};
-    directions_ = {given.directions, "the array of directions", row, 1, {uint8}, memory};
-    q_ = {given.q, "the array of q", row, 1, {float64, float32}, memory};
-    triangles_ = {given.triangles, "the array of triangles", row, 1, {uint32, int32}, memory};
-    counts_ = {given.counts, "the array of counts", row, 1, {uint32, int32}, memory};
-    flags_ = {given.flags, "the array of flags", row, 1, {uint8}, memory};
     const Index3 samples{given.inside.is_given() ? static_cast<std::int64_t>(grid.sample_count()) : 0, 1, 1};
     inside_ = {given.inside, "the array of inside", samples, 1, {uint8}, memory};
     dense_ = {given.dense, "the dense array of q", grid.size, directions, {float64, float32}, memory, true};
     std::vector<targets::WrittenArray> written;
-    for (const ResultArray* array : {&samples_, &directions_, &q_, &triangles_, &counts_, &flags_})
-        if (array->is_given() && room_ > 0) written.push_back(array->written());
-    for (const ResultArray* array : {&inside_, &dense_})
+    rows_.add_to(written);
+    for (const targets::ResultArray* array : {&inside_, &dense_})
         if (array->is_given()) written.push_back(array->written());
     targets::refuse_overlap(written);
 }
 
 void LinkArrays::require_room(std::size_t links) const {
-    const bool has_rows = samples_.is_given() || directions_.is_given() || q_.is_given() || triangles_.is_given() ||
-                          counts_.is_given() || flags_.is_given();
-    if (!has_rows && (inside_.is_given() || dense_.is_given())) return;
-    if (links > room_)
+    if (!rows_.has_rows() && (inside_.is_given() || dense_.is_given())) return;
+    if (links > rows_.room())
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("there are {} links, and the arrays have room for {}; give them room for as many",
-                                links, room_));
+                                links, rows_.room()));
 }
 
 void LinkArrays::store(const Links& links, const targets::MappedMemory& memory) {
-    for (ResultArray* array : {&samples_, &directions_, &q_, &triangles_, &counts_, &flags_, &inside_, &dense_})
-        array->set_mapped(memory);
-    store_rows(links);
+    rows_.set_mapped(memory);
+    inside_.set_mapped(memory);
+    dense_.set_mapped(memory);
+    rows_.store(links);
     if (inside_.is_given()) store_inside(links.inside);
     if (dense_.is_given()) store_dense(links);
-}
-
-void LinkArrays::store_rows(const Links& links) const {
-    for_each_index(
-        links.size(),
-        [&](std::size_t n) {
-            for (std::size_t axis = 0; samples_.is_given() && axis < 3; ++axis)
-                samples_.set(n, axis, links.samples[n][axis]);
-            if (directions_.is_given()) directions_.set(n, 0, links.directions[n]);
-            if (q_.is_given()) set_part(q_, n, 0, links.q[n]);
-            if (triangles_.is_given()) triangles_.set(n, 0, links.triangles[n]);
-            if (counts_.is_given()) counts_.set(n, 0, links.counts[n]);
-            if (flags_.is_given()) flags_.set(n, 0, links.flags[n]);
-        },
-        rows_together);
 }
 
 void LinkArrays::store_inside(const SampleSides& inside) const {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "segments/result_arrays.hpp"
+#include "targets/row_arrays.hpp"
 
 #include <clsdf/segments.hpp>
 
@@ -20,13 +20,13 @@ public:
     void store(const Links& links, const targets::MappedMemory& memory);
 
 private:
-    void store_rows(const Links& links) const;
     void store_inside(const SampleSides& inside) const;
     void store_dense(const Links& links) const;
 
-    std::size_t room_, field_count_;
+    std::size_t field_count_;
     Grid grid_;
-    ResultArray samples_, directions_, q_, triangles_, counts_, flags_, inside_, dense_;
+    targets::RowArrays<LinkColumn> rows_;
+    targets::ResultArray inside_, dense_;
 };
 
 }  // namespace clsdf::segments

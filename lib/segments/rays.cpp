@@ -417,7 +417,7 @@ void find_hits(const SearchedFaces& searched, std::span<const Vec3> origins, std
 }
 
 void find_visible(const SearchedFaces& searched, std::span<const Vec3> from, std::span<const Vec3> to, Hits hits,
-                  const ResultArray& visible, std::size_t begin, std::size_t end) {
+                  const targets::ResultArray& visible, std::size_t begin, std::size_t end) {
     for_each_range(
         end - begin,
         [&](std::size_t first, std::size_t last) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "segments/result_arrays.hpp"
+#include "targets/result_arrays.hpp"
 #include "tree/crossed_faces.hpp"
 #include "tree/wide_tree.hpp"
 
@@ -30,7 +30,7 @@ struct SearchedFaces {
 /// The arrays that are asked for. t and triangles have `most` components.
 struct RayArrays {
     std::size_t most = 1;
-    ResultArray t, triangles, counts, any;
+    targets::ResultArray t, triangles, counts, any;
 };
 
 /// Why a ray is not usable, as "its origin is not finite"; nothing if it is.
@@ -44,6 +44,6 @@ void find_hits(const SearchedFaces& searched, std::span<const Vec3> origins, std
 
 /// Whether the segments of pairs [begin, end) meet nothing, as 1 or 0, on all cores. Pairs that are not usable have 0.
 void find_visible(const SearchedFaces& searched, std::span<const Vec3> from, std::span<const Vec3> to, Hits hits,
-                  const ResultArray& visible, std::size_t begin, std::size_t end);
+                  const targets::ResultArray& visible, std::size_t begin, std::size_t end);
 
 }  // namespace clsdf::segments

@@ -6,6 +6,7 @@
 #include <clsdf/error.hpp>
 #include <clsdf/fractions.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/row_tables.hpp>
 
 #include <fmt/format.h>
 
@@ -28,20 +29,18 @@ namespace {
 /// Arrays that are made for a file.
 class Arrays {
 public:
-    /// A number, or an array of numbers, of each row: what value(row) returns. shape: of one row.
-    template <typename Rows, typename Function>
-    void add_rows(const char* name, ElementType type, std::vector<std::int64_t> shape, const Rows& rows,
-                  const Function& value) {
-        using Value = decltype(value(rows.front()));
-        std::vector<std::byte>& bytes = own_.emplace_back(rows.size() * sizeof(Value));
-        std::byte* to = bytes.data();
-        for (const auto& row : rows) {
-            const Value one = value(row);
-            std::memcpy(to, &one, sizeof one);
-            to += sizeof one;
-        }
-        shape.insert(shape.begin(), static_cast<std::int64_t>(rows.size()));
-        all_.push_back({name, type, std::move(shape), bytes});
+    /// A column of rows.
+    void add(const CellColumn& column, const std::vector<CellFraction>& rows) {
+        const ColumnValues values = column.values(rows);
+        const ElementType type = *column.types.begin();
+        const std::size_t width = column.components() * bytes_of(type);
+        std::vector<std::byte>& bytes = own_.emplace_back(rows.size() * width);
+        for (std::size_t row = 0; row < rows.size(); ++row)
+            std::memcpy(bytes.data() + row * width, values.first + row * values.stride, width);
+        std::vector<std::int64_t> shape{static_cast<std::int64_t>(rows.size())};
+        for (const std::size_t n : column.shape)
+            if (n != 0) shape.push_back(static_cast<std::int64_t>(n));
+        all_.push_back({column.name, type, std::move(shape), bytes});
     }
     /// The array must live as long as this.
     template <typename Values>
@@ -56,20 +55,8 @@ private:
 };
 
 void write_rows(const Fractions& found, const std::string& path) {
-    using Cell = CellFraction;
     Arrays arrays;
-    const auto add = [&](const char* name, std::vector<std::int64_t> shape, const auto& value) {
-        arrays.add_rows(name, ElementType::float64, std::move(shape), found.cells, value);
-    };
-    arrays.add_rows("cells", ElementType::int32, {3}, found.cells, [](const Cell& cell) { return cell.cell; });
-    arrays.add_rows("pieces", ElementType::uint32, {}, found.cells, [](const Cell& cell) { return cell.pieces; });
-    add("volume", {}, [](const Cell& cell) { return cell.volume; });
-    add("centroid", {3}, [](const Cell& cell) { return cell.centroid; });
-    add("area", {}, [](const Cell& cell) { return cell.area; });
-    add("vector_area", {3}, [](const Cell& cell) { return cell.vector_area; });
-    add("surface_centroid", {3}, [](const Cell& cell) { return cell.surface_centroid; });
-    add("face_fractions", {6}, [](const Cell& cell) { return cell.face_fractions; });
-    add("face_centroids", {6, 2}, [](const Cell& cell) { return cell.face_centroids; });
+    for (const CellColumn& column : cell_columns) arrays.add(column, found.cells);
     const auto [nx, ny, nz] = found.counts();
     std::vector<std::uint8_t> full(nx * ny * nz);
     for (std::size_t n = 0; n < full.size(); ++n) full[n] = found.is_full(n) ? 1 : 0;

@@ -5,6 +5,7 @@
 
 #include <clsdf/error.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/row_tables.hpp>
 
 #include <fmt/format.h>
 
@@ -149,6 +150,16 @@ public:
     void add_three(const std::string& name, ElementType type, const std::array<Value, N>& values) {
         all_.push_back({name, type, {N}, std::as_bytes(std::span(values))});
     }
+    /// The rows must live as long as this, and lie one after another.
+    template <typename Column>
+    void add(const Column& column, const typename Column::Rows& rows) {
+        const ColumnValues values = column.values(rows);
+        std::vector<std::int64_t> shape{static_cast<std::int64_t>(values.count)};
+        for (const std::size_t n : column.shape)
+            if (n != 0) shape.push_back(static_cast<std::int64_t>(n));
+        all_.push_back({column.name, *column.types.begin(), std::move(shape),
+                        std::span(values.first, values.count * values.stride)});
+    }
     /// The group of each triangle.
     void add_groups(const std::string& name, std::vector<std::int64_t> shape,
                     const std::vector<std::uint32_t>& triangles, const FaceGroups& groups) {
@@ -185,29 +196,54 @@ private:
     std::deque<std::vector<std::uint32_t>> groups_;
 };
 
+/// Whether the group of each link's triangle follows this column.
+bool have_groups(const LinkColumn& column) {
+    return column.target == &LinkTargets::triangles;
+}
+
+/// NumPy's name for a type.
+const char* npy_type(ElementType type) {
+    switch (type) {
+        case ElementType::uint8:
+            return "|u1";
+        case ElementType::int32:
+            return "<i4";
+        case ElementType::uint32:
+            return "<u4";
+        default:
+            return "<f8";
+    }
+}
+
 /// A row for each link, as one structure.
 void write_npy(const Links& links, const std::string& path, const FaceGroups* groups) {
-    const std::size_t row = groups != nullptr ? 34 : 30;
+    std::string fields;
+    std::size_t row = 0;
+    const auto add_field = [&](const char* name, ElementType type, std::size_t components) {
+        fields += fmt::format("{}('{}', '{}'{})", fields.empty() ? "" : ", ", name, npy_type(type),
+                              components == 1 ? "" : fmt::format(", ({},)", components));
+        row += components * bytes_of(type);
+    };
+    for (const LinkColumn& column : link_columns) {
+        add_field(column.item, *column.types.begin(), column.components());
+        if (groups != nullptr && have_groups(column)) add_field("group", ElementType::uint32, 1);
+    }
     std::vector<std::byte> rows(row * links.size());
     std::byte* to = rows.data();
-    const auto put = [&to](const auto& value) {
-        std::memcpy(to, &value, sizeof value);
-        to += sizeof value;
+    const auto put = [&](const void* from, std::size_t bytes) {
+        std::memcpy(to, from, bytes);
+        to += bytes;
     };
-    for (std::size_t n = 0; n < links.size(); ++n) {
-        put(links.samples[n]);
-        put(links.directions[n]);
-        put(links.q[n]);
-        put(links.triangles[n]);
-        if (groups != nullptr) put(groups->of(links.triangles[n]));
-        put(links.counts[n]);
-        put(links.flags[n]);
-    }
+    for (std::size_t n = 0; n < links.size(); ++n)
+        for (const LinkColumn& column : link_columns) {
+            const ColumnValues values = column.values(links);
+            put(values.first + n * values.stride, values.stride);
+            if (groups == nullptr || !have_groups(column)) continue;
+            const std::uint32_t group = groups->of(links.triangles[n]);
+            put(&group, sizeof group);
+        }
     AtomicFile file(path);
-    file.write(npy_header(fmt::format("[('sample', '<i4', (3,)), ('direction', '|u1'), ('q', '<f8'), ('triangle', "
-                                      "'<u4'), {}('count', '<u4'), ('flags', '|u1')]",
-                                      groups != nullptr ? "('group', '<u4'), " : ""),
-                          {static_cast<std::int64_t>(links.size())}));
+    file.write(npy_header("[" + fields + "]", {static_cast<std::int64_t>(links.size())}));
     file.write(rows);
     file.commit();
 }
@@ -247,11 +283,9 @@ void check_sides(const SampleSides& inside, const Grid& grid, const std::string&
 /// Throws Error(invalid_argument) if the file would contradict itself.
 void check_links(const Links& links, const Grid& grid, std::span<const LinkDirection> directions,
                  const std::string& path) {
-    for (const auto& [name, size] :
-         {std::pair("samples", links.samples.size()), std::pair("directions", links.directions.size()),
-          std::pair("triangles", links.triangles.size()), std::pair("counts", links.counts.size()),
-          std::pair("flags", links.flags.size())})
-        if (size != links.size()) refuse(path, fmt::format("`{}` has {} rows and `q` {}", name, size, links.size()));
+    for (const LinkColumn& column : link_columns)
+        if (const std::size_t size = column.values(links).count; size != links.size())
+            refuse(path, fmt::format("`{}` has {} rows and `q` {}", column.name, size, links.size()));
     check_sides(links.inside, grid, path);
     for (std::size_t n = 0; n < links.size(); ++n) {
         if (links.directions[n] >= directions.size())
@@ -298,13 +332,10 @@ void write_links(const Links& links, const Grid& grid, std::span<const LinkDirec
     const auto count = static_cast<std::int64_t>(links.size());
     const std::vector<LinkDirection> stencil(directions.begin(), directions.end());
     Arrays arrays;
-    arrays.add("samples", ElementType::int32, {count, 3}, links.samples);
-    arrays.add("directions", ElementType::uint8, {count}, links.directions);
-    arrays.add("q", ElementType::float64, {count}, links.q);
-    arrays.add("triangles", ElementType::uint32, {count}, links.triangles);
-    if (groups != nullptr) arrays.add_groups("groups", {count}, links.triangles, *groups);
-    arrays.add("counts", ElementType::uint32, {count}, links.counts);
-    arrays.add("flags", ElementType::uint8, {count}, links.flags);
+    for (const LinkColumn& column : link_columns) {
+        arrays.add(column, links);
+        if (groups != nullptr && have_groups(column)) arrays.add_groups("groups", {count}, links.triangles, *groups);
+    }
     arrays.add("stencil", ElementType::int32, {static_cast<std::int64_t>(stencil.size()), 3}, stencil);
     arrays.add(links.inside);
     arrays.add(grid);
