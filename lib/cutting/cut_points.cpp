@@ -1,6 +1,6 @@
 #include "cutting/cut_points.hpp"
 
-#include <clsdf/error.hpp>
+#include "core/refuse.hpp"
 
 #include <CGAL/Quotient.h>
 
@@ -201,8 +201,7 @@ CutPoints::Found CutPoints::find(const Source& source) const {
         if (!value) {
             if (!exact) exact = homogeneous<Exact>(source);
             const double near = CGAL::to_double(CGAL::Quotient<Exact>(exact->at[axis], exact->w));
-            if (!std::isfinite(near))
-                throw Error(ErrorCode::unsupported, "a point at which faces meet is out of the range of numbers");
+            if (!std::isfinite(near)) refuse_unsupported("a point at which faces meet is out of the range of numbers");
             value = nearest_double(exact->at[axis], exact->w, near);
         }
         found.rounded[axis] = *value + 0.0;

@@ -4,6 +4,7 @@
 #include "core/floating_point.hpp"
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "core/vectors.hpp"
 #include "cutting/cancellation.hpp"
 #include "cutting/cut_slab.hpp"
@@ -261,22 +262,19 @@ void cutting::check_cells(const Grid& grid) {
     constexpr std::int64_t farthest = std::numeric_limits<std::int32_t>::max();
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (grid.size[axis] < 2)
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("the grid has {} sample along {}, so no cells: give two samples or more on each axis",
-                            grid.size[axis], "xyz"[axis]));
+            refuse("the grid has {} sample along {}, so no cells: give two samples or more on each axis",
+                   grid.size[axis], "xyz"[axis]);
         const std::int64_t first = grid.first[axis], last = first + grid.size[axis] - 1;
         if (first < -farthest || last > farthest)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the grid's samples {} to {} along {} lie beyond 2^31 - 1 samples from its origin, "
-                                    "and cells are numbered from there; move the origin nearer",
-                                    first, last, "xyz"[axis]));
+            refuse(
+                "the grid's samples {} to {} along {} lie beyond 2^31 - 1 samples from its origin, "
+                "and cells are numbered from there; move the origin nearer",
+                first, last, "xyz"[axis]);
     }
 }
 
 void cutting::check_options(const FractionOptions& options) {
-    if (!(options.snap >= 0 && options.snap <= 1e-3))
-        throw Error(ErrorCode::invalid_argument, fmt::format("snap is {}; it is in cells, 0 to 0.001", options.snap));
+    if (!(options.snap >= 0 && options.snap <= 1e-3)) refuse("snap is {}; it is in cells, 0 to 0.001", options.snap);
 }
 
 void cutting::refuse_far_vertices(const Mesh& mesh, const Grid& grid) {
@@ -284,11 +282,10 @@ void cutting::refuse_far_vertices(const Mesh& mesh, const Grid& grid) {
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (const double cells = place_of(mesh.vertices()[v], grid, axis);
                 !(std::abs(cells) <= CLSDF_FARTHEST_VERTEX))
-                throw Error(
-                    ErrorCode::invalid_argument,
-                    fmt::format("{}: vertex {} lies {:g} cells along {} from the grid's origin, and beyond 2^53 a cell "
-                                "has no place within; choose a larger spacing, or an origin near the mesh",
-                                mesh.name(), v, cells, "xyz"[axis]));
+                refuse(
+                    "{}: vertex {} lies {:g} cells along {} from the grid's origin, and beyond 2^53 a cell "
+                    "has no place within; choose a larger spacing, or an origin near the mesh",
+                    mesh.name(), v, cells, "xyz"[axis]);
 }
 
 FractionOptions FractionOptions::of(std::string_view convention) {
@@ -299,8 +296,7 @@ FractionOptions FractionOptions::of(std::string_view convention) {
         return options;
     }
     if (convention != "amrex" && convention != "chombo")
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("there is no convention '{}': choose plain, amrex, chombo or vtk", convention));
+        refuse("there is no convention '{}': choose plain, amrex, chombo or vtk", convention);
     options.part = CellPart::fluid;
     options.walls = WallCell::fluid;
     options.areas_of_faces = true;
@@ -354,7 +350,7 @@ void fractions(const OuterSurface& surface, std::span<const Grid> grids, const F
                const FractionOptions& options, const CallOptions& call) {
     cutting::check_options(options);
     for (const Grid& grid : grids) cutting::check_cells(grid);
-    if (!sink) throw Error(ErrorCode::invalid_argument, "fractions of cells need a sink, and it is empty");
+    if (!sink) refuse("fractions of cells need a sink, and it is empty");
     with_host_memory("for the cells of the grids; take parts of them, one after the other", [&] {
         const Cancellation cancellation(call.should_stop, "the search for cut cells");
         if (!grids.empty()) warn_of_flattened(surface.mesh, grids.front(), options.snap, call);

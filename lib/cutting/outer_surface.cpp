@@ -4,6 +4,7 @@
 #include "core/floating_point.hpp"
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "core/vectors.hpp"
 #include "cutting/closed_gaps.hpp"
 #include "cutting/face_pieces.hpp"
@@ -48,16 +49,14 @@ ResolvedSignRule checked_rule(SignRule asked, const Mesh& mesh, const Topology& 
     if (resolved.rule == SignRule::nonzero || resolved.rule == SignRule::parity) return resolved;
     const std::string why = resolved.warning.empty() ? "" : "; " + resolved.warning;
     if (topology.closed)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{}: the outer surface needs the sign rule nonzero or parity, not {}; take auto",
-                                mesh.name(), name_of(resolved.rule)));
-    throw Error(
-        ErrorCode::unsupported,
-        fmt::format("{}: the outer surface needs the sign rule nonzero or parity, so a closed mesh, and this one has "
-                    "{} open edges; join its seams (weld), "
-                    "close a terrain by walls and a floor (close_down(), clsdf close), or fill its holes by another "
-                    "program{}",
-                    mesh.name(), topology.open_edges, why));
+        refuse_unsupported("{}: the outer surface needs the sign rule nonzero or parity, not {}; take auto",
+                           mesh.name(), name_of(resolved.rule));
+    refuse_unsupported(
+        "{}: the outer surface needs the sign rule nonzero or parity, so a closed mesh, and this one has "
+        "{} open edges; join its seams (weld), "
+        "close a terrain by walls and a floor (close_down(), clsdf close), or fill its holes by another "
+        "program{}",
+        mesh.name(), topology.open_edges, why);
 }
 
 /// Whole faces that meet no other face, and the pieces of those that do.
@@ -319,11 +318,10 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
                         given.name(), name_of(rule)));
 
     if (pieces.size() != triangles.size() && !are_balanced(kept))
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("{}: the pieces of its faces form no closed surface, which must not happen: please report "
-                        "the mesh",
-                        given.name()));
+        refuse_unsupported(
+            "{}: the pieces of its faces form no closed surface, which must not happen: please report "
+            "the mesh",
+            given.name());
     OuterSurface result{Mesh(std::move(vertices), std::move(kept), given.name()), std::move(faces)};
     for (const auto& [on, off] : counts)
         ++(on == 0 ? result.hidden_faces : off == 0 ? result.whole_faces : result.partial_faces);

@@ -1,12 +1,9 @@
 #include "picture/camera.hpp"
 
 #include "core/real_numbers.hpp"
+#include "core/refuse.hpp"
 #include "core/vectors.hpp"
 #include "mesh/box_index.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -66,10 +63,10 @@ void set_direction(View& view, const std::string& text) {
     double elevation = 0;
     if (comma == std::string::npos || !parse(text.substr(0, comma), azimuth) ||
         !parse(text.substr(comma + 1), elevation) || std::abs(elevation) > 90)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("there is no view \"{}\"; choose front, back, left, right, side, top, bottom, iso, or "
-                                "AZIMUTH,ELEVATION in degrees, as 30,20, the elevation from -90 to 90",
-                                text));
+        refuse(
+            "there is no view \"{}\"; choose front, back, left, right, side, top, bottom, iso, or "
+            "AZIMUTH,ELEVATION in degrees, as 30,20, the elevation from -90 to 90",
+            text);
     view.azimuth = azimuth;
     view.elevation = elevation;
 }
@@ -87,16 +84,15 @@ void set_up(View& view, const std::string& text) {
             view.up_is_negative = is_negative;
             return;
         }
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("\"{}\" is no direction upwards; choose auto, x, y, z, -x, -y or -z", text));
+    refuse("\"{}\" is no direction upwards; choose auto, x, y, z, -x, -y or -z", text);
 }
 
 ViewFrame frame_of(const View& view) {
     if (!std::isfinite(view.azimuth) || !(std::abs(view.elevation) <= 90))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("a view from azimuth {} and elevation {}; choose finite degrees, the elevation from "
-                                "-90 to 90",
-                                view.azimuth, view.elevation));
+        refuse(
+            "a view from azimuth {} and elevation {}; choose finite degrees, the elevation from "
+            "-90 to 90",
+            view.azimuth, view.elevation);
     Vec3 up{};
     const Axis axis = view.up.value_or(Axis::z);
     up[static_cast<std::size_t>(axis)] = view.up_is_negative ? -1 : 1;
@@ -115,8 +111,7 @@ ViewFrame frame_of(const View& view) {
 Camera::Camera(const View& view, std::span<const Vec3> points, double around, int width, int height)
     : frame_(frame_of(view)), is_parallel_(view.perspective == 0) {
     if (!(view.perspective >= 0 && view.perspective < 120))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("a perspective of {} degrees; choose 0 (none) to 119", view.perspective));
+        refuse("a perspective of {} degrees; choose 0 (none) to 119", view.perspective);
     Box box = empty_box;
     for (const Vec3& point : points) add(box, {point, point});
     const Vec3 diagonal = sum(1, box.upper, -1, box.lower);

@@ -1,6 +1,7 @@
 #include "picture/canvas.hpp"
 
 #include "core/files.hpp"
+#include "core/refuse.hpp"
 #include "picture/text.hpp"
 
 #include <clsdf/error.hpp>
@@ -269,8 +270,7 @@ std::string Canvas::pdf(double margin, double points_per_pixel) const {
 std::string ending_of(const std::string& path, std::initializer_list<std::string_view> endings) {
     const std::string ending = clsdf::ending_of(path);
     if (std::find(endings.begin(), endings.end(), ending) == endings.end())
-        throw Error(ErrorCode::unsupported, fmt::format("{}: no picture format ends in \"{}\"; choose {}", path, ending,
-                                                        fmt::join(endings, " or ")));
+        refuse_unsupported("{}: no picture format ends in \"{}\"; choose {}", path, ending, fmt::join(endings, " or "));
     return ending;
 }
 

@@ -1,8 +1,6 @@
 #include "picture/plane.hpp"
 
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
+#include "core/refuse.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,15 +20,14 @@ std::size_t index_of(Axis axis) {
 void check(const Grid& grid, const Slice& slice, const std::array<Axis, 2>& axes) {
     const std::int64_t count = grid.size[index_of(slice.axis)];
     if (slice.index < 0 || slice.index >= count)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("slice: the field has no sample {} along {}: there are {}, choose 0 to {}", slice.index,
-                                name_of(slice.axis), count, count - 1));
+        refuse("slice: the field has no sample {} along {}: there are {}, choose 0 to {}", slice.index,
+               name_of(slice.axis), count, count - 1);
     for (const Axis axis : axes)
         if (grid.size[index_of(axis)] < 2)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("field: it has a single sample along {}, so a slice perpendicular to {} has "
-                                    "no extent; choose another axis",
-                                    name_of(axis), name_of(slice.axis)));
+            refuse(
+                "field: it has a single sample along {}, so a slice perpendicular to {} has "
+                "no extent; choose another axis",
+                name_of(axis), name_of(slice.axis));
 }
 
 }  // namespace
@@ -39,13 +36,12 @@ void check_field(const Field& field) {
     field.grid.validate();
     field.band.validate();
     if (field.positive_inside)
-        throw Error(ErrorCode::invalid_argument,
-                    "field: it is positive inside, and pictures are drawn of fields that are negative inside; negate "
-                    "it first");
+        refuse(
+            "field: it is positive inside, and pictures are drawn of fields that are negative inside; negate "
+            "it first");
     const Grid& grid = field.grid;
     if (field.distance().size() != grid.sample_count())
-        throw Error(ErrorCode::invalid_argument, fmt::format("field: distance has {} values, but the grid {} samples",
-                                                             field.distance().size(), grid.sample_count()));
+        refuse("field: distance has {} values, but the grid {} samples", field.distance().size(), grid.sample_count());
     const Index3& size = grid.size;
     const Vec3 first = grid.position(0, 0, 0), second = grid.position(1, 1, 1);
     const Vec3 last = grid.position(size[0] - 1, size[1] - 1, size[2] - 1);
@@ -54,15 +50,15 @@ void check_field(const Field& field) {
         const double spacing = grid.spacing[axis];
         if (spacing < static_cast<double>(std::numeric_limits<float>::min()) ||
             spacing > static_cast<double>(std::numeric_limits<float>::max()))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("field: a spacing of {} is beyond the floats that distances are given in; scale "
-                                    "the field",
-                                    spacing));
+            refuse(
+                "field: a spacing of {} is beyond the floats that distances are given in; scale "
+                "the field",
+                spacing);
         if (size[axis] > 1 && (first[axis] == second[axis] || last[axis] == last_but_one[axis]))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("field: samples {} apart near {} = {} have the same position in double precision; "
-                                    "move the field to the origin",
-                                    spacing, "xyz"[axis], last[axis]));
+            refuse(
+                "field: samples {} apart near {} = {} have the same position in double precision; "
+                "move the field to the origin",
+                spacing, "xyz"[axis], last[axis]);
     }
 }
 
@@ -137,7 +133,7 @@ const char* name_of(Axis axis) {
 Axis parse_axis(const std::string& text) {
     for (const Axis axis : {Axis::x, Axis::y, Axis::z})
         if (text == name_of(axis)) return axis;
-    throw Error(ErrorCode::invalid_argument, fmt::format("there is no axis \"{}\"; choose x, y or z", text));
+    refuse("there is no axis \"{}\"; choose x, y or z", text);
 }
 
 std::array<Axis, 2> axes_beside(Axis axis) {

@@ -1,12 +1,9 @@
 #include "picture/scene.hpp"
 
+#include "core/refuse.hpp"
 #include "core/vectors.hpp"
 #include "mesh/box_index.hpp"
 #include "picture/camera.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -141,37 +138,32 @@ double default_offset(const Field& field, bool has_sign) {
 void check_offset(const Field& field, const TracedSamples& samples, double offset) {
     const bool is_sided = samples.has_sign();
     if (!std::isfinite(offset) || (!is_sided && offset <= 0))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("render: an offset of {}; choose a finite one{}", offset,
-                                is_sided ? ""
-                                         : " above 0: the field has no sign, so its distance touches 0 without "
-                                           "crossing it"));
+        refuse("render: an offset of {}; choose a finite one{}", offset,
+               is_sided ? ""
+                        : " above 0: the field has no sign, so its distance touches 0 without "
+                          "crossing it");
     const double limit = offset < 0 ? field.band.inside : field.band.outside;
     if (offset != 0 && std::abs(offset) >= limit)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("render: the band ends at distance {:.6g}, before the surface's {:.6g}; compute the "
-                                "field with a wider band, or choose an offset within it",
-                                offset < 0 ? -limit : limit, offset));
+        refuse(
+            "render: the band ends at distance {:.6g}, before the surface's {:.6g}; compute the "
+            "field with a wider band, or choose an offset within it",
+            offset < 0 ? -limit : limit, offset);
     if (!samples.has_surface(offset))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("render: the grid has no surface at distance {:.6g}: the field's distances are from "
-                                "{:.6g} to {:.6g}; lay the grid around the mesh, or choose another offset",
-                                offset, samples.lower(), samples.upper()));
+        refuse(
+            "render: the grid has no surface at distance {:.6g}: the field's distances are from "
+            "{:.6g} to {:.6g}; lay the grid around the mesh, or choose another offset",
+            offset, samples.lower(), samples.upper());
 }
 
 void check_options(const SurfaceOptions& options) {
     const auto check = [](const char* what, int value, int least, int most) {
-        if (value < least || value > most)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("render: {} of {}; choose {} to {}", what, value, least, most));
+        if (value < least || value > most) refuse("render: {} of {}; choose {} to {}", what, value, least, most);
     };
     check("a width", options.width, 16, 10000);
     if (options.height != 0) check("a height", options.height, 16, 10000);
     check("a number of rays", options.rays, 1, 8);
     for (const double part : options.colour)
-        if (!(part >= 0 && part <= 1))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("render: a colour with a part of {}; choose parts from 0 to 1", part));
+        if (!(part >= 0 && part <= 1)) refuse("render: a colour with a part of {}; choose parts from 0 to 1", part);
 }
 
 void scale_into(double (&target)[3], const Vec3& from, const Vec3& to, const Vec3& spacing) {
@@ -226,9 +218,8 @@ double Scene::position_of(const Cut& cut) const {
     const double position = *cut.position - origin_[axis];
     const double length = static_cast<double>(field_.grid.size[axis] - 1) * field_.grid.spacing[axis];
     if (!(position > 0 && position < length))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("render: a cut at {} = {:.6g}, and the grid reaches from {:.6g} to {:.6g}",
-                                name_of(cut.axis), *cut.position, origin_[axis], origin_[axis] + length));
+        refuse("render: a cut at {} = {:.6g}, and the grid reaches from {:.6g} to {:.6g}", name_of(cut.axis),
+               *cut.position, origin_[axis], origin_[axis] + length);
     return position;
 }
 
@@ -257,8 +248,7 @@ RenderView Scene::view(const SurfaceOptions& options, const Camera& camera, cons
     for (const Cut& cut : options.cuts) {
         const auto axis = static_cast<std::size_t>(cut.axis);
         if (seen.cut_side[axis] != 0)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("render: two cuts across {}; at most one across each axis", name_of(cut.axis)));
+            refuse("render: two cuts across {}; at most one across each axis", name_of(cut.axis));
         seen.cut[axis] = position_of(cut) / spacing[axis];
         seen.cut_side[axis] = camera.frame().back[axis] < -1e-9 ? -1 : 1;
     }

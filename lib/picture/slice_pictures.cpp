@@ -1,8 +1,7 @@
+#include "core/refuse.hpp"
 #include "picture/canvas.hpp"
 #include "picture/panel.hpp"
 #include "picture/text.hpp"
-
-#include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
@@ -186,8 +185,7 @@ private:
 SlicePictures::SlicePictures(const Field& field, const Options& options) : field_(field), options_(options) {
     check_field(field);
     if (options.pixels < 100 || options.pixels > 10000)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("a picture of {} pixels; choose 100 to 10000", options.pixels));
+        refuse("a picture of {} pixels; choose 100 to 10000", options.pixels);
     float lower = 0;
     float upper = 0;
     bool negative = false;

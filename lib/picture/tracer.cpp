@@ -1,6 +1,7 @@
 #include "picture/tracer.hpp"
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "core/stopwatch.hpp"
 #include "device/read_back.hpp"
 #include "picture/plane.hpp"
@@ -61,22 +62,21 @@ TracedSamples::TracedSamples(const Field& field)
     const Index3& size = field.grid.size;
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (size[axis] < 2 || size[axis] > std::numeric_limits<std::int32_t>::max())
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("field: its number of samples along {} is {}; a surface needs 2 or more on every "
-                                    "axis, and less than 2^31; draw a flat field with \"clsdf slice\"",
-                                    "xyz"[axis], size[axis]));
+            refuse(
+                "field: its number of samples along {} is {}; a surface needs 2 or more on every "
+                "axis, and less than 2^31; draw a flat field with \"clsdf slice\"",
+                "xyz"[axis], size[axis]);
     const Range range = range_of(field.distance());
     if (range.first_not_a_number < field.distance().size()) {
         const auto index = static_cast<std::int64_t>(range.first_not_a_number);
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("field: sample ({}, {}, {}) is not a number, so there is no surface to "
-                                "follow; \"clsdf slice\" draws such fields",
-                                index % size[0], index / size[0] % size[1], index / size[0] / size[1]));
+        refuse(
+            "field: sample ({}, {}, {}) is not a number, so there is no surface to "
+            "follow; \"clsdf slice\" draws such fields",
+            index % size[0], index / size[0] % size[1], index / size[0] / size[1]);
     }
     // Infinite distances of both signs have a surface between them.
     if (range.lower > range.upper && !range.negative)
-        throw Error(ErrorCode::invalid_argument,
-                    "field: none of its distances is finite, so there is no surface to follow");
+        refuse("field: none of its distances is finite, so there is no surface to follow");
     if (range.lower <= range.upper) {
         lower_ = static_cast<double>(range.lower);
         upper_ = static_cast<double>(range.upper);

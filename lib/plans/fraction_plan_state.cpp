@@ -1,5 +1,6 @@
 #include "plans/fraction_plan_state.hpp"
 
+#include "core/refuse.hpp"
 #include "cutting/fraction_checks.hpp"
 #include "mesh/input_arrays.hpp"
 #include "points/device_points.hpp"
@@ -7,8 +8,6 @@
 #include "targets/row_arrays.hpp"
 
 #include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -87,9 +86,9 @@ void FractionPlanState::make(const OuterSurface& surface, AskedFractions asked,
         cutting::check_cells(now.grid);
         cutting::check_options(now.options);
         if (!cutting::DeviceFractions::can_number(surface.mesh, now.grid))
-            throw Error(ErrorCode::unsupported,
-                        "32 bits cannot number the cells of the grid and their faces, or the triangles; plan a part of "
-                        "the grid");
+            refuse_unsupported(
+                "32 bits cannot number the cells of the grid and their faces, or the triangles; plan a part of "
+                "the grid");
         context().begin_call();
         PlannedFractions made;
         context().run_or_drain([&] {
@@ -119,10 +118,10 @@ void FractionPlanState::enqueue(const RunOptions& options, const InputArray* ver
                                 const DeviceRange& count) {
     require_whole();
     if (rows.room > asked().room)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the arrays have room for {} cells, and the plan has room for {}; give that, or make "
-                                "the plan with more",
-                                rows.room, asked().room));
+        refuse(
+            "the arrays have room for {} cells, and the plan has room for {}; give that, or make "
+            "the plan with more",
+            rows.room, asked().room);
     const device::Context& context = this->context();
     cutting::DeviceFractions& cuts = *made_.cuts;
     StoredRows stored(rows, asked().grid, context);
@@ -130,10 +129,10 @@ void FractionPlanState::enqueue(const RunOptions& options, const InputArray* ver
     if (vertices != nullptr) {
         check_array(*vertices, ArrayKind::positions, "vertices", ErrorCode::invalid_argument);
         if (vertices->count != cuts.vertex_count())
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("{} vertices are given, and the surface of the plan has {}; give as many, in its "
-                                    "order",
-                                    vertices->count, cuts.vertex_count()));
+            refuse(
+                "{} vertices are given, and the surface of the plan has {}; give as many, in its "
+                "order",
+                vertices->count, cuts.vertex_count());
         points::check_device_points(context, *vertices);
         stored.written.push_back(points::array_of(*vertices));
         from = cutting::given_vertices(*vertices);

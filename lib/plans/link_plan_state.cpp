@@ -1,13 +1,10 @@
 #include "plans/link_plan_state.hpp"
 
+#include "core/refuse.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/row_arrays.hpp"
 #include "targets/stored_rows.hpp"
 #include "targets/target_overlap.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -48,10 +45,10 @@ PlannedLinks uploaded(const device::Context& context, const std::shared_ptr<devi
 void LinkPlanState::enqueue(const RunOptions& options, const LinkTargets& given, const DeviceRange& count) {
     using enum ElementType;
     if (given.room > asked().room)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the arrays have room for {} links, and the plan has room for {}; give that, or make "
-                                "the plan with more",
-                                given.room, asked().room));
+        refuse(
+            "the arrays have room for {} links, and the plan has room for {}; give that, or make "
+            "the plan with more",
+            given.room, asked().room);
     const device::Context& context = this->context();
     const Grid& grid = asked().grid;
     const PlannedLinks& made = made_;

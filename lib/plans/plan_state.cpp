@@ -1,9 +1,8 @@
 #include "plans/plan_state.hpp"
 
+#include "core/refuse.hpp"
 #include "device/opencl.hpp"
 #include "launch/programs.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
@@ -113,27 +112,26 @@ void PlanState::check(const PlannedSlab& planned, const targets::DeviceTargets& 
             // Distances in double are other work.
             const bool is_fixed = !in_place || row.output == Output::distance;
             if (is_fixed && other.type != like.type)
-                throw Error(ErrorCode::unsupported,
-                            fmt::format("the target of the output {} has {}s, another type of elements than planned; "
-                                        "make the plan of a request with such a target",
-                                        row.name, name_of(other.type)));
+                refuse_unsupported(
+                    "the target of the output {} has {}s, another type of elements than planned; "
+                    "make the plan of a request with such a target",
+                    row.name, name_of(other.type));
         },
         planned.slab.batch->arrays, target.arrays, planned.like, target.targets);
     if (in_place && !target.in_place)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("the target of the output {}, but this plan writes to its targets directly and cannot copy; "
-                        "make it of a request with such a target",
-                        target.why_not_in_place));
+        refuse_unsupported(
+            "the target of the output {}, but this plan writes to its targets directly and cannot copy; "
+            "make it of a request with such a target",
+            target.why_not_in_place);
 }
 
 std::vector<targets::DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> given) const {
     const std::vector<Request>& requests = asked().requests;
     if (given.size() != requests.size())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the plan has {} requests, and the targets of {} are given; give each request its "
-                                "targets",
-                                requests.size(), given.size()));
+        refuse(
+            "the plan has {} requests, and the targets of {} are given; give each request its "
+            "targets",
+            requests.size(), given.size());
     std::vector<Request> others = requests;
     for (std::size_t n = 0; n < given.size(); ++n) others[n].targets = given[n];
     auto targets = plans::targets_of(others, [&](const Request& request) {

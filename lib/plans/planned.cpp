@@ -1,5 +1,6 @@
 #include "plans/planned.hpp"
 
+#include "core/refuse.hpp"
 #include "targets/mapped_memory.hpp"
 
 #include <clsdf/error.hpp>
@@ -10,14 +11,11 @@ namespace clsdf::plans {
 
 void PlanBase::require_device(const Device& other) const {
     if (&device::context_of(other) != &context())
-        throw Error(ErrorCode::invalid_argument,
-                    "the transform has another device than the plan; update the plan with a transform of its Device");
+        refuse("the transform has another device than the plan; update the plan with a transform of its Device");
 }
 
 void PlanBase::require_whole() const {
-    if (!is_whole_)
-        throw Error(ErrorCode::invalid_argument,
-                    "the plan's last update failed, so that it has nothing to compute with; update it again");
+    if (!is_whole_) refuse("the plan's last update failed, so that it has nothing to compute with; update it again");
 }
 
 void PlanBase::wait() {

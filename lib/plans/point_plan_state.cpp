@@ -101,7 +101,7 @@ targets::DeviceTargets PointPlanState::check(const InputArray& points, const Out
                            .strides = status.strides,
                            .name = "the status of points"});
     }
-    if (const auto overlap = targets::find_overlap(written)) targets::refuse(*overlap);
+    if (const auto overlap = targets::find_overlap(written)) targets::throw_overlap(*overlap);
     return checked;
 }
 

@@ -1,6 +1,7 @@
 #include "plans/requests.hpp"
 
 #include "core/outputs.hpp"
+#include "core/refuse.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -105,14 +106,12 @@ std::size_t element_bytes(const OutputInfo& info, const OutputArray& array) {
 std::ptrdiff_t block_stride(const OutputInfo& info, const OutputArray& array, std::size_t samples, std::size_t blocks) {
     const bool is_packed = array.strides == ArrayLayout().strides && array.component_stride == 0;
     if (array.block_stride == 0 && !is_packed && blocks > 1)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the array of the output {} has strides and no block stride; set it, too", info.name));
+        refuse("the array of the output {} has strides and no block stride; set it, too", info.name);
     const std::size_t packed = samples * info.components * element_bytes(info, array);
     if (array.block_stride == 0 && is_packed && array.host != nullptr && array.bytes != ArrayLayout::unknown_size &&
         array.bytes != array.offset + blocks * packed)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} blocks of {} samples take {} bytes of the output {}, and its array holds {}",
-                                blocks, samples, blocks * packed, info.name, array.bytes - array.offset));
+        refuse("{} blocks of {} samples take {} bytes of the output {}, and its array holds {}", blocks, samples,
+               blocks * packed, info.name, array.bytes - array.offset);
     return array.block_stride != 0 ? array.block_stride : static_cast<std::ptrdiff_t>(packed);
 }
 
@@ -139,10 +138,10 @@ std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std:
         if (count > 0 && strides.back() < 0 &&
             static_cast<double>(target.array.offset) <
                 -static_cast<double>(strides.back()) * static_cast<double>(count - 1))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the block stride of the output {} is {}, which leads before its memory; let the "
-                                    "offset name the first block",
-                                    info.name, strides.back()));
+            refuse(
+                "the block stride of the output {} is {}, which leads before its memory; let the "
+                "offset name the first block",
+                info.name, strides.back());
     }
     std::vector<Request> requests;
     requests.reserve(end - begin);

@@ -1,9 +1,8 @@
 #include "plans/sparse_plan_state.hpp"
 
+#include "core/refuse.hpp"
 #include "device/opencl.hpp"
 #include "targets/mapped_memory.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -74,17 +73,17 @@ targets::OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& g
                 require_target(row, expected.is_wanted, array.is_wanted);
                 if (!array.is_wanted) return;
                 if (may_be_double(row) && array.in_double)
-                    throw Error(ErrorCode::unsupported,
-                                fmt::format("the target of the output {} has doubles, and a sparse field has floats; "
-                                            "give it floats",
-                                            row.name));
+                    refuse_unsupported(
+                        "the target of the output {} has doubles, and a sparse field has floats; "
+                        "give it floats",
+                        row.name);
                 if (target.strides[0] != static_cast<std::ptrdiff_t>(row.sample_bytes()) ||
                     (row.components > 1 &&
                      target.component_stride != static_cast<std::ptrdiff_t>(bytes_of(target.type))))
-                    throw Error(ErrorCode::unsupported,
-                                fmt::format("the target of the output {} has strides; give it a packed array, of 512 "
-                                            "samples for each brick",
-                                            row.name));
+                    refuse_unsupported(
+                        "the target of the output {} has strides; give it a packed array, of 512 "
+                        "samples for each brick",
+                        row.name);
                 place = {cl::Buffer(target.device, true), target.offset};
             },
             made_.batch->arrays, checked.arrays, checked.targets, to.values);

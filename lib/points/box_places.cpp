@@ -2,11 +2,10 @@
 
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "points/curve_order.hpp"
 #include "points/signs_by_host.hpp"
 #include "surface/film_bounds.hpp"
-
-#include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
@@ -142,11 +141,10 @@ void check_box(const Box& box, const std::string& name) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const bool is_finite = std::isfinite(lower[axis]) && std::isfinite(upper[axis]);
         if (is_finite && lower[axis] <= upper[axis]) continue;
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} from ({}, {}, {}) to ({}, {}, {}) {}", name, lower[0], lower[1], lower[2], upper[0],
-                                upper[1], upper[2],
-                                is_finite ? "has its corners exchanged; give the lower one first"
-                                          : "is not finite; clip it or leave it out"));
+        refuse("{} from ({}, {}, {}) to ({}, {}, {}) {}", name, lower[0], lower[1], lower[2], upper[0], upper[1],
+               upper[2],
+               is_finite ? "has its corners exchanged; give the lower one first"
+                         : "is not finite; clip it or leave it out");
     }
 }
 

@@ -1,5 +1,6 @@
 #include "points/device_points.hpp"
 
+#include "core/refuse.hpp"
 #include "device/read_back.hpp"
 #include "mesh/input_arrays.hpp"
 #include "targets/mapped_memory.hpp"
@@ -12,15 +13,15 @@ namespace clsdf::points {
 
 void check_device_points(const device::Context& context, const InputArray& points) {
     if (points.device == nullptr)
-        throw Error(ErrorCode::unsupported,
-                    "the points are memory of the host, and a plan reads the device's; give it a buffer of the device, "
-                    "or ask with query()");
+        refuse_unsupported(
+            "the points are memory of the host, and a plan reads the device's; give it a buffer of the device, "
+            "or ask with query()");
     const cl::Buffer memory(points.device, true);
     targets::require_buffer(context, memory, "the memory of the points");
     if ((memory.getInfo<CL_MEM_FLAGS>() & CL_MEM_WRITE_ONLY) != 0)
-        throw Error(ErrorCode::invalid_argument,
-                    "the points are a buffer made with CL_MEM_WRITE_ONLY; kernels read it, so make it with "
-                    "CL_MEM_READ_WRITE or CL_MEM_READ_ONLY");
+        refuse(
+            "the points are a buffer made with CL_MEM_WRITE_ONLY; kernels read it, so make it with "
+            "CL_MEM_READ_WRITE or CL_MEM_READ_ONLY");
     range_of(points, memory.getInfo<CL_MEM_SIZE>(), "points", ErrorCode::invalid_argument);
 }
 

@@ -64,7 +64,7 @@ UsableRange usable_range(const Box& box) {
     return range;
 }
 
-void refuse(const UnusablePoints& unusable, const UsableRange& range) {
+void refuse_unusable(const UnusablePoints& unusable, const UsableRange& range) {
     const Vec3& p = unusable.position;
     throw Error(ErrorCode::invalid_argument,
                 fmt::format("point {}, counted from 0, at ({}, {}, {}) {}; leave it out", unusable.first, p[0], p[1],
@@ -101,7 +101,7 @@ void UsablePoints::find(const Box& box) {
             is_usable = is_usable && p[axis] >= limits.lower[axis] && p[axis] <= limits.upper[axis];
         if (is_usable) continue;
         unusable_.push_back({i, is_finite(p)});
-        if (are_refused_) refuse({is_finite(p), 1, i, p}, range_);
+        if (are_refused_) refuse_unusable({is_finite(p), 1, i, p}, range_);
     }
     if (unusable_.empty()) return;
     // A point before or behind, which costs least.

@@ -33,7 +33,7 @@ struct UnusablePoints {
     Vec3 position{};  ///< of the first
 };
 /// Throws Error(invalid_argument) that names the first of them.
-[[noreturn]] void refuse(const UnusablePoints& unusable, const UsableRange& range);
+[[noreturn]] void refuse_unusable(const UnusablePoints& unusable, const UsableRange& range);
 /// How many of all points are not usable, the first of them, and what they get; empty if there is none. unusable: those
 /// that are not finite, and those too far.
 std::string warning_of(const std::array<UnusablePoints, 2>& unusable, std::size_t all, const UsableRange& range,

@@ -1,5 +1,6 @@
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "judge.hpp"
 #include "true_samples.hpp"
 
@@ -178,10 +179,8 @@ void require_sizes(const Field& field) {
     for (const OutputInfo& info : infos_of(field.outputs())) {
         const std::size_t bytes = field.bytes(info.output).size();
         if (bytes != count * info.sample_bytes()) {
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the field has {} values of {} but its grid has {} samples{}",
-                                    bytes / bytes_of(info.type), info.name, count,
-                                    info.components > 1 ? fmt::format(" of {} values", info.components) : ""));
+            refuse("the field has {} values of {} but its grid has {} samples{}", bytes / bytes_of(info.type),
+                   info.name, count, info.components > 1 ? fmt::format(" of {} values", info.components) : "");
         }
     }
 }
@@ -264,7 +263,7 @@ std::vector<CheckReport> check_some_samples(const TrueSamples& truth, std::span<
 /// Throws if the fields are not of one problem, or if an array of one does not fit its grid.
 void require_one_problem(std::span<const Field> fields) {
     if (fields.empty()) {
-        throw Error(ErrorCode::invalid_argument, "there is no field to check");
+        refuse("there is no field to check");
     }
     const Field& first = fields.front();
     first.band.validate();
@@ -272,8 +271,7 @@ void require_one_problem(std::span<const Field> fields) {
     for (const Field& field : fields) {
         if (field.grid != first.grid || field.band != first.band || field.sign != first.sign ||
             field.floor != first.floor) {
-            throw Error(ErrorCode::invalid_argument,
-                        "the fields to check have different grids, bands or sign rules: check them one by one");
+            refuse("the fields to check have different grids, bands or sign rules: check them one by one");
         }
         require_sizes(field);
     }

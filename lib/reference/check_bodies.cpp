@@ -1,8 +1,7 @@
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "judge.hpp"
 #include "true_samples.hpp"
-
-#include <clsdf/error.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -86,7 +85,7 @@ void judge_sample(const std::list<JudgedBody>& bodies, const Index3& index, Tall
 }  // namespace
 
 CheckReport check(std::span<const PlacedBody> bodies, const Field& field, const CheckOptions& options) {
-    if (bodies.empty()) throw Error(ErrorCode::invalid_argument, "there is no body to check the field against");
+    if (bodies.empty()) refuse("there is no body to check the field against");
     if (field.positive_inside) {
         Field negative = field;
         negative.negate();

@@ -1,7 +1,7 @@
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "true_samples.hpp"
 
-#include <clsdf/error.hpp>
 #include <clsdf/reference.hpp>
 
 #include <fmt/format.h>
@@ -170,8 +170,7 @@ private:
 void require_sizes(std::size_t points, const PointResults& results) {
     const auto require = [&](std::size_t size, const char* what, bool may_be_empty) {
         if (size == points || (may_be_empty && size == 0)) return;
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("there are {} points and {} {}; give one for each point", points, size, what));
+        refuse("there are {} points and {} {}; give one for each point", points, size, what);
     };
     require(results.distances.size(), "distances", false);
     require(results.closest.size(), "closest points", true);

@@ -1,11 +1,9 @@
-#include <clsdf/error.hpp>
 #include <clsdf/reference.hpp>
 
 #include "core/lifetime.hpp"
+#include "core/refuse.hpp"
 #include "triangle.hpp"
 #include "triangle_tree.hpp"
-
-#include <fmt/format.h>
 
 #include <cmath>
 #include <utility>
@@ -36,9 +34,7 @@ namespace {
 
 void require_finite(const Vec3& query) {
     if (!std::isfinite(query[0]) || !std::isfinite(query[1]) || !std::isfinite(query[2])) {
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("the point ({}, {}, {}) is not finite: ask for a finite one", query[0], query[1], query[2]));
+        refuse("the point ({}, {}, {}) is not finite: ask for a finite one", query[0], query[1], query[2]);
     }
 }
 

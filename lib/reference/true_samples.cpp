@@ -1,9 +1,9 @@
 #include "true_samples.hpp"
 
-#include <clsdf/error.hpp>
 #include <clsdf/reference.hpp>
 #include <clsdf/topology.hpp>
 
+#include "core/refuse.hpp"
 #include "surface/topology.hpp"
 
 #include <Eigen/Geometry>
@@ -36,9 +36,7 @@ std::unique_ptr<const Mesh> mesh_of(const SignSurface& surface, const Mesh& mesh
 SignSurface surface_of(SignSurface described, SignRule sign, std::optional<double> floor) {
     if (sign == SignRule::none) return {};
     if (sign == SignRule::below) {
-        if (!floor)
-            throw Error(ErrorCode::invalid_argument,
-                        "the field has the sign rule below, and its floor is not known; give its z (--floor)");
+        if (!floor) refuse("the field has the sign rule below, and its floor is not known; give its z (--floor)");
         described.open_loops.floor = floor;
     }
     return described;

@@ -1,10 +1,7 @@
 #include "segments/link_arrays.hpp"
 
 #include "core/parallel.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
+#include "core/refuse.hpp"
 
 #include <span>
 #include <vector>
@@ -47,9 +44,7 @@ LinkArrays::LinkArrays(const LinkTargets& given, const Grid& grid, std::size_t d
 void LinkArrays::require_room(std::size_t links) const {
     if (!rows_.has_rows() && (inside_.is_given() || dense_.is_given())) return;
     if (links > rows_.room())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("there are {} links, and the arrays have room for {}; give them room for as many",
-                                links, rows_.room()));
+        refuse("there are {} links, and the arrays have room for {}; give them room for as many", links, rows_.room());
 }
 
 void LinkArrays::store(const Links& links, const targets::MappedMemory& memory) {

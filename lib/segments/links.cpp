@@ -3,6 +3,7 @@
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "core/parallel_sort.hpp"
+#include "core/refuse.hpp"
 #include "segments/link_places.hpp"
 #include "segments/link_raster.hpp"
 #include "segments/link_table.hpp"
@@ -352,19 +353,16 @@ void refuse_link(const std::array<std::int32_t, 3>& sample, std::size_t directio
 
 void check_directions(std::span<const LinkDirection> directions) {
     if (directions.empty() || directions.size() > most_directions)
-        throw Error(ErrorCode::invalid_argument, fmt::format("links have {} directions; give 1 to {} in a call",
-                                                             directions.size(), most_directions));
+        refuse("links have {} directions; give 1 to {} in a call", directions.size(), most_directions);
     for (std::size_t n = 0; n < directions.size(); ++n) {
         const auto& [x, y, z] = directions[n];
         for (const std::int32_t component : directions[n])
             if (component < -longest_component || component > longest_component)
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("direction {}, ({}, {}, {}), has a component beyond {}; give shorter ones", n,
-                                        x, y, z, longest_component));
+                refuse("direction {}, ({}, {}, {}), has a component beyond {}; give shorter ones", n, x, y, z,
+                       longest_component);
         for (std::size_t m = 0; m < n; ++m)
             if (directions[m] == directions[n])
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("directions {} and {} are both ({}, {}, {}); give each once", m, n, x, y, z));
+                refuse("directions {} and {} are both ({}, {}, {}); give each once", m, n, x, y, z);
     }
 }
 

@@ -1,8 +1,6 @@
 #include "segments/sample_box.hpp"
 
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
+#include "core/refuse.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,20 +24,19 @@ SampleBox::SampleBox(const Grid& grid_in, const Place& margin_in, double scale_i
             greatest = std::max(greatest, std::abs(x));
             at[axis][i] = x * scale;
             if (!engine::is_exact_in_units({x, 0, 0}, scale))
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("a sample of the grid has the coordinate {} on axis {}, which in units of {} "
-                                        "is smaller than 2^-300 or greater than 2^300; set the grid's origin so that "
-                                        "it is 0, or use a larger spacing",
-                                        x, "xyz"[axis], 1 / scale));
+                refuse(
+                    "a sample of the grid has the coordinate {} on axis {}, which in units of {} "
+                    "is smaller than 2^-300 or greater than 2^300; set the grid's origin so that "
+                    "it is 0, or use a larger spacing",
+                    x, "xyz"[axis], 1 / scale);
         }
         const double last_bit = std::nextafter(greatest, std::numeric_limits<double>::infinity()) - greatest;
         if (!(last_bit <= 0x1p-22 * grid.spacing[axis]))
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("the grid reaches to {} on axis {} with the spacing {}: links, crossings and "
-                            "exact signs need samples whose coordinates' last bit, here {}, is at most 2^-22 of "
-                            "the spacing; move mesh and grid towards 0, or use a larger spacing",
-                            greatest, "xyz"[axis], grid.spacing[axis], last_bit));
+            refuse(
+                "the grid reaches to {} on axis {} with the spacing {}: links, crossings and "
+                "exact signs need samples whose coordinates' last bit, here {}, is at most 2^-22 of "
+                "the spacing; move mesh and grid towards 0, or use a larger spacing",
+                greatest, "xyz"[axis], grid.spacing[axis], last_bit);
         rounding = std::max(rounding, 0.5 * last_bit / grid.spacing[axis]);
     }
 }

@@ -1,7 +1,6 @@
-#include <clsdf/error.hpp>
 #include <clsdf/segments.hpp>
 
-#include <fmt/format.h>
+#include "core/refuse.hpp"
 
 #include <array>
 #include <cstddef>
@@ -72,10 +71,10 @@ std::vector<LinkDirection> stencil(std::string_view name, std::string_view code)
         if (code == "OpenLB" || code == "Palabos") return in_halves(count);
         if (code == "XLB" && count != 15) return in_product(count, {0, -1, 1});
     }
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("there is no stencil {} in the order of {}; there are D3Q15, D3Q19 and D3Q27 of waLBerla, "
-                            "lbmpy, OpenLB and Palabos, and D3Q19 and D3Q27 of XLB",
-                            name, code));
+    refuse(
+        "there is no stencil {} in the order of {}; there are D3Q15, D3Q19 and D3Q27 of waLBerla, "
+        "lbmpy, OpenLB and Palabos, and D3Q19 and D3Q27 of XLB",
+        name, code);
 }
 
 }  // namespace clsdf

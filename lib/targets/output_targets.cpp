@@ -2,6 +2,7 @@
 
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "targets/target_layout.hpp"
 
 #include <clsdf/error.hpp>
@@ -23,10 +24,10 @@ Error misuse(const std::string& what) {
 void check_host_memory(const OutputInfo& row, const Grid& grid, const char* owner, const OutputArray& target,
                        bool is_plain) {
     if (target.device != nullptr)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("the target of the output {} is memory of the device, and this call writes to the "
-                                "host's; give all targets memory of the host, or all memory of the device",
-                                row.name));
+        refuse_unsupported(
+            "the target of the output {} is memory of the device, and this call writes to the "
+            "host's; give all targets memory of the host, or all memory of the device",
+            row.name);
     const std::ptrdiff_t width = width_of(target.type);
     if (is_plain && target.bytes != ArrayLayout::unknown_size) {
         if (target.bytes == grid.sample_count() * sample_bytes(row, is_in_double(target))) return;
@@ -261,11 +262,11 @@ DeviceTargets::DeviceTargets(const OutputTargets& given, const Grid& grid, const
                 return;
             }
             if (target.device == nullptr)
-                throw Error(ErrorCode::unsupported,
-                            fmt::format("the target of the output {} is memory of the host, and this call writes to "
-                                        "the device's; give all targets memory of the device, or compute without "
-                                        "a plan into memory of the host",
-                                        row.name));
+                refuse_unsupported(
+                    "the target of the output {} is memory of the host, and this call writes to "
+                    "the device's; give all targets memory of the device, or compute without "
+                    "a plan into memory of the host",
+                    row.name);
             resolve_type(row, target);
             const bool is_packed = resolve_strides(row, grid, target);
             const cl::Buffer memory(target.device, true);

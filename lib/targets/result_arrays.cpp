@@ -1,10 +1,9 @@
 #include "targets/result_arrays.hpp"
 
+#include "core/refuse.hpp"
 #include "device/opencl.hpp"
 #include "mesh/input_arrays.hpp"
 #include "targets/target_layout.hpp"
-
-#include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
@@ -23,8 +22,7 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, const Index
 ResultArray ResultArray::on_host(const OutputArray& given, const char* name, const Index3& size, std::size_t components,
                                  const ElementTypes& types, bool are_fields) {
     if (given.device != nullptr)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{} is memory of a device, and the host writes it; give it memory of the host", name));
+        refuse_unsupported("{} is memory of a device, and the host writes it; give it memory of the host", name);
     return {given, name, size, components, types, are_fields};
 }
 
@@ -32,10 +30,10 @@ ResultArray ResultArray::on_device(const OutputArray& given, const char* name, c
                                    std::size_t components, const ElementTypes& types, const device::Context& context,
                                    bool are_fields) {
     if (given.host != nullptr)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{} is memory of the host, and a plan writes to the device's; give it a buffer of the "
-                                "device",
-                                name));
+        refuse_unsupported(
+            "{} is memory of the host, and a plan writes to the device's; give it a buffer of the "
+            "device",
+            name);
     ResultArray array(given, name, size, components, types, are_fields);
     if (given.device == nullptr || size[0] * size[1] * size[2] == 0) return array;
     const ByteRange bytes = array.range();
@@ -52,8 +50,7 @@ ByteRange ResultArray::range() const {
                                                       {strides_[2], static_cast<double>(size_[2])},
                                                       {component_stride_, static_cast<double>(components_)}});
     if (lowest < 0 || highest > 0x1p62)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} reaches from byte {} to {}, which no memory has", name_, lowest, highest));
+        refuse("{} reaches from byte {} to {}, which no memory has", name_, lowest, highest);
     return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
 }
 
@@ -71,30 +68,29 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, const Index
         std::string allowed;
         for (const ElementType type : types)
             allowed += fmt::format("{}{}", allowed.empty() ? "" : " or ", name_of(type));
-        throw Error(ErrorCode::unsupported, fmt::format("{} has the type {}; give {}", name, name_of(type_), allowed));
+        refuse_unsupported("{} has the type {}; give {}", name, name_of(type_), allowed);
     }
     const auto width = static_cast<std::ptrdiff_t>(bytes_of(type_));
     const auto& strides = given.strides;
     if (!are_fields && (strides[1] != 0 || strides[2] != 0))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} has the strides ({}, {}, {}); it has one row: set strides[0] alone", name,
-                                strides[0], strides[1], strides[2]));
+        refuse("{} has the strides ({}, {}, {}); it has one row: set strides[0] alone", name, strides[0], strides[1],
+               strides[2]);
     if (static_cast<std::ptrdiff_t>(given.offset) % width != 0 || strides[0] % width != 0 || strides[1] % width != 0 ||
         strides[2] % width != 0 || given.component_stride % width != 0)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: the offset {} and the strides ({}, {}, {}) and {} are not all multiples of its "
-                                "numbers' {} bytes",
-                                name, given.offset, strides[0], strides[1], strides[2], given.component_stride, width));
+        refuse(
+            "{}: the offset {} and the strides ({}, {}, {}) and {} are not all multiples of its "
+            "numbers' {} bytes",
+            name, given.offset, strides[0], strides[1], strides[2], given.component_stride, width);
     const bool has_strides = strides[0] != 0 || strides[1] != 0 || strides[2] != 0;
     const auto packed = [&size](std::ptrdiff_t item) {
         return std::array<std::ptrdiff_t, 3>{item, item * size[0], item * size[0] * size[1]};
     };
     if (are_fields) {
         if (has_strides && (given.component_stride == 0 || strides[0] == 0 || strides[1] == 0 || strides[2] == 0))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("{} has the strides ({}, {}, {}) and the component_stride {}; give all of them, or "
-                                    "none for a packed array",
-                                    name, strides[0], strides[1], strides[2], given.component_stride));
+            refuse(
+                "{} has the strides ({}, {}, {}) and the component_stride {}; give all of them, or "
+                "none for a packed array",
+                name, strides[0], strides[1], strides[2], given.component_stride);
         strides_ = has_strides ? strides : packed(width);
         component_stride_ = given.component_stride != 0 ? given.component_stride : width * size[0] * size[1] * size[2];
     } else {
@@ -118,10 +114,8 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, const Index
     if (items > 0 && given.bytes != ArrayLayout::unknown_size &&
         (lowest < 0 || highest > static_cast<double>(given.bytes) ||
          (is_plain && given.bytes != items * components * static_cast<std::size_t>(width))))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} has room for {} numbers; {} are needed{}", name,
-                                given.bytes / static_cast<std::size_t>(width), items * components,
-                                is_plain ? "" : ", with its offset and strides"));
+        refuse("{} has room for {} numbers; {} are needed{}", name, given.bytes / static_cast<std::size_t>(width),
+               items * components, is_plain ? "" : ", with its offset and strides");
     first_ = static_cast<std::byte*>(given.host) + given.offset;
 }
 

@@ -1,11 +1,8 @@
 #include "targets/sparse_targets.hpp"
 
-#include <clsdf/error.hpp>
-
 #include "core/brick_order.hpp"
+#include "core/refuse.hpp"
 #include "targets/output_targets.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -48,16 +45,16 @@ SparseArrays::SparseArrays(const SparseTargets& given) : bricks(given.bricks), i
     for_each_output(
         [](const OutputInfo& row, const HostArray& array) {
             if (may_be_double(row) && array.in_double)
-                throw Error(ErrorCode::unsupported,
-                            fmt::format("the array of the output {} has doubles, and a sparse field has floats; give "
-                                        "it an array of floats",
-                                        row.name));
+                refuse_unsupported(
+                    "the array of the output {} has doubles, and a sparse field has floats; give "
+                    "it an array of floats",
+                    row.name);
         },
         checked.arrays);
     if (!checked.are_packed)
-        throw Error(ErrorCode::unsupported,
-                    "an array for the values of a sparse field has strides; give it packed arrays, of 512 samples for "
-                    "each brick");
+        refuse_unsupported(
+            "an array for the values of a sparse field has strides; give it packed arrays, of 512 samples for "
+            "each brick");
     std::vector<WrittenArray> written;
     checked.add_written(0, written);
     const auto add = [&](const char* name, const auto& array) {
@@ -72,10 +69,10 @@ SparseArrays::SparseArrays(const SparseTargets& given) : bricks(given.bricks), i
 
 void SparseArrays::check_room(const SparseCounts& counts) const {
     if (counts.bricks <= bricks.size() && counts.runs <= inside.size()) return;
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("the sparse field has {} bricks with values and {} runs of bricks inside, and the arrays "
-                            "have room for {} and {}; give them room for as many as the field has",
-                            counts.bricks, counts.runs, bricks.size(), inside.size()));
+    refuse(
+        "the sparse field has {} bricks with values and {} runs of bricks inside, and the arrays "
+        "have room for {} and {}; give them room for as many as the field has",
+        counts.bricks, counts.runs, bricks.size(), inside.size());
 }
 
 void ArraysTarget::take(const SparseSlab& slab) {

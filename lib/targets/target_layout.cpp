@@ -1,6 +1,7 @@
 #include "targets/target_layout.hpp"
 
 #include "core/outputs.hpp"
+#include "core/refuse.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -57,14 +58,13 @@ void resolve_type(const OutputInfo& row, OutputArray& target) {
     // No triangle is -1 in signed numbers.
     const bool is_signed = row.type == ElementType::uint32 && target.type == ElementType::int32;
     if (target.type == row.type || is_signed || (may_be_double(row) && target.type == ElementType::float64)) return;
-    throw Error(ErrorCode::unsupported,
-                fmt::format("the output {} cannot be written as {}; give it an array of type {}", row.name,
-                            name_of(target.type),
-                            may_be_double(row)                ? "float or double"
-                            : row.type == ElementType::uint32 ? "uint32 or int32"
-                            : row.output == Output::closest   ? "double, or ask for the output offset, from the "
-                                                                "sample to the closest point, in floats"
-                                                              : name_of(row.type)));
+    refuse_unsupported("the output {} cannot be written as {}; give it an array of type {}", row.name,
+                       name_of(target.type),
+                       may_be_double(row)                ? "float or double"
+                       : row.type == ElementType::uint32 ? "uint32 or int32"
+                       : row.output == Output::closest   ? "double, or ask for the output offset, from the "
+                                                           "sample to the closest point, in floats"
+                                                         : name_of(row.type));
 }
 
 bool resolve_strides(const OutputInfo& row, const Grid& grid, OutputArray& target) {

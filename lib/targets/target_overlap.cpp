@@ -262,7 +262,7 @@ std::optional<Overlap> find_overlap(const std::vector<WrittenArray>& arrays) {
     return std::nullopt;
 }
 
-void refuse(const Overlap& overlap) {
+void throw_overlap(const Overlap& overlap) {
     const WrittenArray *first = overlap.one, *second = overlap.other;
     const auto order = [](const WrittenArray& array) {
         return std::tuple(array.name != nullptr, array.request, array.output, &array);
@@ -283,7 +283,7 @@ void refuse(const Overlap& overlap) {
 }
 
 void refuse_overlap(const std::vector<WrittenArray>& arrays) {
-    if (const auto found = find_overlap(arrays); found && found->is_certain) refuse(*found);
+    if (const auto found = find_overlap(arrays); found && found->is_certain) throw_overlap(*found);
 }
 
 }  // namespace clsdf::targets

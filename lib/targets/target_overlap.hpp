@@ -39,7 +39,7 @@ struct Overlap {
 std::optional<Overlap> find_overlap(const std::vector<WrittenArray>& arrays);
 
 /// Throws Error(invalid_argument) that names both arrays.
-[[noreturn]] void refuse(const Overlap& overlap);
+[[noreturn]] void throw_overlap(const Overlap& overlap);
 
 /// Refuses a certain overlap.
 void refuse_overlap(const std::vector<WrittenArray>& arrays);

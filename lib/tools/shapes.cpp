@@ -1,8 +1,8 @@
 #include "core/real_numbers.hpp"
+#include "core/refuse.hpp"
 #include "tools/shape_builders.hpp"
 #include "tools/text.hpp"
 
-#include <clsdf/error.hpp>
 #include <clsdf/mesh.hpp>
 
 #include <fmt/format.h>
@@ -224,8 +224,7 @@ std::optional<double> plate_thickness(std::string_view name) {
     const auto [stop, error] = read_real(name.data(), end, thickness);
     if (error != std::errc() || stop != end || !std::isfinite(thickness)) return {};
     if (!(thickness > 0 && thickness <= 1))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("a plate's thickness is above 0 and at most 1, its longest side, but not {}", name));
+        refuse("a plate's thickness is above 0 and at most 1, its longest side, but not {}", name);
     return thickness;
 }
 
@@ -250,8 +249,7 @@ Mesh make_shape(const std::string& name) {
         MeshArrays arrays = shapes::plate(*thickness);
         return Mesh(std::move(arrays.vertices), std::move(arrays.triangles), name);
     }
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("there is no shape '{}'; the nearest name is '{}'", name, nearest_name(name, known)));
+    refuse("there is no shape '{}'; the nearest name is '{}'", name, nearest_name(name, known));
 }
 
 }  // namespace clsdf

@@ -1,8 +1,7 @@
 #include <clsdf/mesh_files.hpp>
 
+#include "core/refuse.hpp"
 #include "mesh/equal_vertices.hpp"
-
-#include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
@@ -82,10 +81,8 @@ std::string warning_of(const WeldReport& report) {
 
 WeldReport describe_weld(const Mesh& mesh, const Mesh& welded) {
     if (mesh.triangles().size() != welded.triangles().size())
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("the mesh has {} triangles, and the welded one {}; give the mesh that weld() made of it",
-                        mesh.triangles().size(), welded.triangles().size()));
+        refuse("the mesh has {} triangles, and the welded one {}; give the mesh that weld() made of it",
+               mesh.triangles().size(), welded.triangles().size());
     const std::vector<Triangle> before = by_first_vertices(mesh), after = by_first_vertices(welded);
     WeldReport report;
     std::vector<Triangle> kept;

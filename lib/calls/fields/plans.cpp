@@ -2,11 +2,10 @@
 #include "checks/known_targets.hpp"
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
+#include "core/refuse.hpp"
 #include "core/stopwatch.hpp"
 #include "plans/plan_state.hpp"
 #include "targets/mapped_memory.hpp"
-
-#include <fmt/format.h>
 
 #include <optional>
 #include <utility>
@@ -83,9 +82,7 @@ void Plan::enqueue(cl_command_queue queue, std::span<const cl_event> wait_list, 
     State& state = this->state();
     state.require_whole();
     if (state.asked().outputs_without_targets)
-        throw Error(
-            ErrorCode::invalid_argument,
-            "the plan was made of a grid and has no targets; give this run targets, or make the plan of a request");
+        refuse("the plan was made of a grid and has no targets; give this run targets, or make the plan of a request");
     with_host_memory("for a run of the plan", [&] {
         device::guarded([&] { state.enqueue({queue, wait_list, done}); });
     });
@@ -117,9 +114,8 @@ void Plan::update(const DistanceTransform& transform, std::span<const Grid> grid
         State& state = this->state();
         plans::AskedBoxes asked = state.asked();
         if (grids.size() != asked.requests.size())
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the plan has {} requests, and {} grids are given; give one for each",
-                                    asked.requests.size(), grids.size()));
+            refuse("the plan has {} requests, and {} grids are given; give one for each", asked.requests.size(),
+                   grids.size());
         for (std::size_t n = 0; n < grids.size(); ++n) asked.requests[n].grid = grids[n];
         transform.state().plan(state, std::move(asked), call);
     });

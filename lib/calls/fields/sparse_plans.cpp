@@ -2,9 +2,8 @@
 #include "checks/known_targets.hpp"
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
+#include "core/refuse.hpp"
 #include "plans/sparse_plan_state.hpp"
-
-#include <fmt/format.h>
 
 #include <cstddef>
 #include <memory>
@@ -19,10 +18,10 @@ void DistanceTransform::State::plan(plans::SparsePlanState& plan, const plans::A
     const engine::Job job = check_sparse(request.grid, request.band, targets::extras_of(request.outputs), false);
     constexpr std::size_t most_room = std::size_t{1} << 40;
     if (room.bricks > most_room || room.runs > most_room)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the plan is to have room for {} bricks and {} runs, and no field has so many; give it "
-                                "room for at most {}",
-                                room.bricks, room.runs, most_room));
+        refuse(
+            "the plan is to have room for {} bricks and {} runs, and no field has so many; give it "
+            "room for at most {}",
+            room.bricks, room.runs, most_room);
     mutex.check_thread();
     plan.give_back();
     make(plan, asked, call, [&](calls::RunningCall& running) {

@@ -1,5 +1,6 @@
 #include "calls/fields/slab_plans.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "core/stopwatch.hpp"
 #include "device/read_back.hpp"
 #include "plan/slabs.hpp"
@@ -343,17 +344,17 @@ engine::Job DistanceTransform::State::check_sparse(const Grid& grid, const Band&
     grid.validate();
     band.validate();
     if (band.has_signs_only)
-        throw Error(ErrorCode::invalid_argument,
-                    "a sparse field has the distances near the surface, and the signs alone are asked for; give the "
-                    "band a width, or compute a dense field");
+        refuse(
+            "a sparse field has the distances near the surface, and the signs alone are asked for; give the "
+            "band a width, or compute a dense field");
     if (!std::isfinite(band.outside) || (sign != SignRule::none && !std::isfinite(band.inside)))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("a sparse field needs a band with an end, and its half widths are {} inside and {} "
-                                "outside; give it finite ones, or compute a dense field",
-                                band.inside, band.outside));
+        refuse(
+            "a sparse field needs a band with an end, and its half widths are {} inside and {} "
+            "outside; give it finite ones, or compute a dense field",
+            band.inside, band.outside);
     if (method)
-        throw Error(ErrorCode::unsupported,
-                    "sparse fields are computed from leaned frusta, scanned by bricks, alone; compute a dense field");
+        refuse_unsupported(
+            "sparse fields are computed from leaned frusta, scanned by bricks, alone; compute a dense field");
     const Grid bricks = in_whole_bricks(grid);
     bricks.validate();
     return check({bricks, band, extras, {}, counts});

@@ -1,13 +1,10 @@
 #include "calls/transform/planning.hpp"
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
+#include "core/refuse.hpp"
 #include "core/stopwatch.hpp"
 #include "plans/point_plan_state.hpp"
 #include "points/usable_points.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,9 +18,9 @@ void DistanceTransform::State::plan(plans::PointPlanState& plan, const plans::As
                                     const CallOptions& call) {
     plan.require_device(device);
     if (kept_mesh->restriction() != nullptr)
-        throw Error(ErrorCode::unsupported,
-                    "the transform is restricted, and points of a plan, which the host does not see, may lie beyond "
-                    "its regions; plan points of the whole transform");
+        refuse_unsupported(
+            "the transform is restricted, and points of a plan, which the host does not see, may lie beyond "
+            "its regions; plan points of the whole transform");
     make(plan, asked, call, [&](calls::RunningCall& running) {
         const bool by_group = programs.body == KernelBody::by_group;
         test(checks::point_subject(device, programs,
@@ -54,11 +51,11 @@ points::PointInputs DistanceTransform::State::planned_point_inputs(OutputSet out
     inputs.mesh = kept_points->faces();
     inputs.sign_faces = kept_points->sign_faces(sign);
     if (!inputs.has_exact_signs())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} has a coordinate that is not 0 and, in units of {}, smaller than 2^-300 or greater "
-                                "than 2^300: a plan of points cannot decide signs then; set such coordinates to 0, or "
-                                "ask with query()",
-                                kept_mesh->name(), inputs.mesh->lattice.unit));
+        refuse(
+            "{} has a coordinate that is not 0 and, in units of {}, smaller than 2^-300 or greater "
+            "than 2^300: a plan of points cannot decide signs then; set such coordinates to 0, or "
+            "ask with query()",
+            kept_mesh->name(), inputs.mesh->lattice.unit);
     inputs.triangles = kept_points->triangles();
     if (programs.body == KernelBody::by_group)
         inputs.tree = kept_points->fitted_tree();
@@ -122,9 +119,7 @@ PointPlan DistanceTransform::plan_points(std::size_t count, double half_width, O
         State& state = this->state();
         points::check_half_width(half_width);
         if (count == 0 || count >= std::numeric_limits<cl_uint>::max())
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("a plan is asked for that takes {} points at a time; it takes 1 to 2^32 - 2", count));
+            refuse("a plan is asked for that takes {} points at a time; it takes 1 to 2^32 - 2", count);
         auto made = std::make_unique<PointPlan::State>(state.device, state.pool, state.programs);
         state.plan(*made, {count, std::abs(half_width), targets::extras_of(outputs) | Output::distance}, call);
         return PointPlan(std::move(made));

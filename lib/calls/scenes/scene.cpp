@@ -4,6 +4,7 @@
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 
 #include <fmt/format.h>
 
@@ -21,15 +22,14 @@ namespace clsdf {
 scenes::Frame frame_of(const Pose& pose, const std::string& owner) {
     for (const double t : pose.translation)
         if (!std::isfinite(t))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the translation{} is ({}, {}, {}), and must be finite", owner, pose.translation[0],
-                                    pose.translation[1], pose.translation[2]));
+            refuse("the translation{} is ({}, {}, {}), and must be finite", owner, pose.translation[0],
+                   pose.translation[1], pose.translation[2]);
     const std::optional<scenes::Rotation> rotation = scenes::nearest_rotation(pose.rotation);
     if (!rotation)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the matrix{} is no rotation to 1e-5, or is a reflection; its rows must be unit "
-                                "vectors at right angles, and its determinant 1",
-                                owner));
+        refuse(
+            "the matrix{} is no rotation to 1e-5, or is a reflection; its rows must be unit "
+            "vectors at right angles, and its determinant 1",
+            owner);
     scenes::Frame frame{*rotation, pose.translation};
     frame.is_turned = frame.rotation != scenes::Frame().rotation;
     return frame;
@@ -43,13 +43,13 @@ std::string of_body(std::size_t body) {
 
 void refuse_below(SignRule sign) {
     if (sign == SignRule::below)
-        throw Error(ErrorCode::unsupported,
-                    "the sign rule below has walls along z, which do not turn with a body of a scene; close_down() "
-                    "makes a closed mesh");
+        refuse_unsupported(
+            "the sign rule below has walls along z, which do not turn with a body of a scene; close_down() "
+            "makes a closed mesh");
 }
 
 void refuse_more_than_numbers(std::size_t bodies) {
-    if (bodies > no_body) throw Error(ErrorCode::unsupported, fmt::format("a scene has at most {} bodies", no_body));
+    if (bodies > no_body) refuse_unsupported("a scene has at most {} bodies", no_body);
 }
 
 }  // namespace
@@ -57,10 +57,10 @@ void refuse_more_than_numbers(std::size_t bodies) {
 Pose pose_of(std::span<const double, 16> matrix) {
     const std::span last = matrix.last<4>();
     if (last[0] != 0 || last[1] != 0 || last[2] != 0 || last[3] != 1)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the last row of the 4 x 4 matrix is {}, {}, {}, {}, and must be 0, 0, 0, 1; give the "
-                                "matrix by rows",
-                                last[0], last[1], last[2], last[3]));
+        refuse(
+            "the last row of the 4 x 4 matrix is {}, {}, {}, {}, and must be 0, 0, 0, 1; give the "
+            "matrix by rows",
+            last[0], last[1], last[2], last[3]);
     Pose pose;
     for (std::size_t row = 0; row < 3; ++row) {
         std::copy_n(matrix.begin() + static_cast<std::ptrdiff_t>(4 * row), 3, pose.rotation[row].begin());
@@ -126,8 +126,7 @@ std::uint32_t Scene::State::add(std::span<const Mesh> meshes, std::span<const Po
                                 const CallOptions& call) {
     refuse_below(sign);
     if (!poses.empty() && poses.size() != meshes.size())
-        throw Error(ErrorCode::invalid_argument, fmt::format("there are {} poses and {} meshes; give as many, or none",
-                                                             poses.size(), meshes.size()));
+        refuse("there are {} poses and {} meshes; give as many, or none", poses.size(), meshes.size());
     refuse_more_than_numbers(bodies.size() + meshes.size());
     const auto first = static_cast<std::uint32_t>(bodies.size());
     std::vector<scenes::Frame> frames(meshes.size());
@@ -191,9 +190,8 @@ void Scene::set_poses(std::span<const Pose> poses) {
     with_host_memory("for the poses", [&] {
         State& state = this->state();
         if (poses.size() != state.bodies.size())
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("there are {} poses and {} bodies; give as many, or name the bodies", poses.size(),
-                                    state.bodies.size()));
+            refuse("there are {} poses and {} bodies; give as many, or name the bodies", poses.size(),
+                   state.bodies.size());
         std::vector<scenes::Frame> frames(poses.size());
         for (std::size_t i = 0; i < poses.size(); ++i) frames[i] = frame_of(poses[i], of_body(i));
         for (std::size_t i = 0; i < poses.size(); ++i) state.bodies[i].frame = frames[i];
@@ -205,13 +203,11 @@ void Scene::set_poses(std::span<const std::uint32_t> bodies, std::span<const Pos
     with_host_memory("for the poses", [&] {
         State& state = this->state();
         if (poses.size() != bodies.size())
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("{} bodies are named and there are {} poses; give as many", bodies.size(), poses.size()));
+            refuse("{} bodies are named and there are {} poses; give as many", bodies.size(), poses.size());
         std::vector<std::uint32_t> sorted(bodies.begin(), bodies.end());
         std::ranges::sort(sorted);
         if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
-            throw Error(ErrorCode::invalid_argument, fmt::format("body {} is named twice; give it one pose", *twice));
+            refuse("body {} is named twice; give it one pose", *twice);
         std::vector<scenes::Frame> frames(poses.size());
         for (std::size_t i = 0; i < poses.size(); ++i) {
             state.body(bodies[i]);

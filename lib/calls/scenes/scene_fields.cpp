@@ -8,6 +8,7 @@
 #include "core/lifetime.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/vertices.hpp"
 #include "plan/slabs.hpp"
@@ -157,10 +158,9 @@ CallStatistics Scene::State::compute(const Request& request, const CallOptions& 
     engine::check_grid(grid);
     const std::size_t samples = grid.sample_count();
     if ((band.has_signs_only || band.has_exact_signs) && !has_sign())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} asked for, and no body of the scene has a sign; {}",
-                                band.has_signs_only ? "a field of signs alone is" : "exact signs are",
-                                band.has_signs_only ? "give the band a width" : "leave exact signs out"));
+        refuse("{} asked for, and no body of the scene has a sign; {}",
+               band.has_signs_only ? "a field of signs alone is" : "exact signs are",
+               band.has_signs_only ? "give the band a width" : "leave exact signs out");
     targets::MappedMemory memory(context());
     targets::add_targets(given, grid, memory);
     memory.map(call.wait_list);
@@ -306,11 +306,10 @@ void Scene::State::compute_union(const Request& request, const targets::HostArra
                                  calls::RunningCall& running) {
     for (const Output output : {Output::site, Output::barycentric})
         if (arrays[output].data != nullptr)
-            throw Error(
-                ErrorCode::unsupported,
-                fmt::format("{} of a field of a scene whose surface is outer is not known; leave it out, or look "
-                            "points up",
-                            info_of(output).name));
+            refuse_unsupported(
+                "{} of a field of a scene whose surface is outer is not known; leave it out, or look "
+                "points up",
+                info_of(output).name);
     if (!cut_union) {
         SceneSurface surface = outer(call);
         cut_union = CutUnion{std::move(surface.bodies), std::move(surface.surface.faces),

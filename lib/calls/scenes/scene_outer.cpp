@@ -4,6 +4,7 @@
 #include "calls/transform/transform_state.hpp"
 #include "core/call_mutex.hpp"
 #include "core/floating_point.hpp"
+#include "core/refuse.hpp"
 #include "mesh/vertices.hpp"
 
 #include <clsdf/outer.hpp>
@@ -62,10 +63,10 @@ SceneSurface Scene::State::outer(const CallOptions& call) const {
         const OuterSurface& own = found->second;
         constexpr std::size_t most = std::numeric_limits<std::uint32_t>::max();
         if (vertices.size() > most - own.mesh.vertices().size())
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("the surfaces of bodies 0 to {} have more than 2^32 vertices together; switch some "
-                                    "bodies off, and take the outer surface of the others",
-                                    number));
+            refuse_unsupported(
+                "the surfaces of bodies 0 to {} have more than 2^32 vertices together; switch some "
+                "bodies off, and take the outer surface of the others",
+                number);
         const auto first = static_cast<std::uint32_t>(vertices.size());
         const std::vector<Vec3> moved =
             engine::Vertices::moved(own.mesh.vertices(), body.frame.rotation, body.frame.translation);

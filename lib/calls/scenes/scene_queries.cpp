@@ -5,6 +5,7 @@
 #include "calls/transform/transform_state.hpp"
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "points/box_places.hpp"
 #include "points/usable_points.hpp"
 #include "scenes/scene_points.hpp"
@@ -102,8 +103,7 @@ constexpr std::size_t most_results = std::size_t{1} << 48;
 
 void check_length(std::size_t length, std::size_t count, const char* name, bool may_be_empty) {
     if (length == count || (may_be_empty && length == 0)) return;
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("the array {} has {} items for {} points; give as many", name, length, count));
+    refuse("the array {} has {} items for {} points; give as many", name, length, count);
 }
 
 targets::WrittenArray array_of(std::uintptr_t first, std::size_t bytes, const char* name) {
@@ -129,10 +129,10 @@ public:
         : memory_(context) {
         for (const auto& [output, array] : targets.all())
             if (array.strides[1] != 0 || array.strides[2] != 0)
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("the array of the output {} has the strides ({}, {}, {}); points lie in one "
-                                        "row: set strides[0] alone",
-                                        info_of(output).name, array.strides[0], array.strides[1], array.strides[2]));
+                refuse(
+                    "the array of the output {} has the strides ({}, {}, {}); points lie in one "
+                    "row: set strides[0] alone",
+                    info_of(output).name, array.strides[0], array.strides[1], array.strides[2]);
         memory_.add_triples(points, "points");
         targets::add_targets(targets, targets::row_of(results), memory_);
         memory_.map(call.wait_list);
@@ -160,8 +160,7 @@ private:
 
 void check_one_a_body(std::span<const double> half_widths, std::size_t bodies) {
     if (half_widths.size() != bodies)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("there are {} half widths and {} bodies; give as many", half_widths.size(), bodies));
+        refuse("there are {} half widths and {} bodies; give as many", half_widths.size(), bodies);
 }
 
 /// Those of a call, which may be negative.
@@ -241,14 +240,13 @@ TransformStatistics Scene::query(const InputArray& points, std::span<const doubl
     return with_host_memory("for the points; give fewer at once", [&] {
         check_one_a_body(half_widths, size());
         if (state().is_union())
-            throw Error(
-                ErrorCode::invalid_argument,
+            refuse(
                 "a half width for each body is given in a scene whose surface is outer, which is one surface of "
                 "all bodies; give one half width");
         if (!targets.is_own.empty())
-            throw Error(ErrorCode::invalid_argument,
-                        "is_own is asked for with a half width for each body; bodies beyond theirs do not count, so "
-                        "give one for all, or leave is_own out");
+            refuse(
+                "is_own is asked for with a half width for each body; bodies beyond theirs do not count, so "
+                "give one for all, or leave is_own out");
         return state().query(points, {}, half_widths, targets, call).published();
     });
 }
@@ -260,9 +258,7 @@ TransformStatistics Scene::query_poses(const InputArray& points, std::span<const
         state.require_bodies();
         const std::size_t bodies = state.bodies.size();
         if (poses.size() % bodies != 0)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("there are {} poses and {} bodies; give as many for each configuration",
-                                    poses.size(), bodies));
+            refuse("there are {} poses and {} bodies; give as many for each configuration", poses.size(), bodies);
         std::vector<scenes::Frame> frames(poses.size());
         for (std::size_t i = 0; i < poses.size(); ++i)
             frames[i] = frame_of(poses[i], fmt::format(" of body {} in configuration {}", i % bodies, i / bodies));
@@ -354,15 +350,11 @@ CallStatistics Scene::State::query_pairs(const InputArray& points, std::span<con
     std::vector<scenes::Asked> asked(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         const auto [point, body] = pairs[i];
-        if (point >= points.count)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("pair {} names point {}, and there are {}", i, point, points.count));
+        if (point >= points.count) refuse("pair {} names point {}, and there are {}", i, point, points.count);
         if (body >= bodies.size() || !bodies[body].is_active)
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("pair {} names body {}, which {}", i, body,
-                            body < bodies.size() ? std::string("is switched off")
-                                                 : fmt::format("is not there: the scene has {}", bodies.size())));
+            refuse("pair {} names body {}, which {}", i, body,
+                   body < bodies.size() ? std::string("is switched off")
+                                        : fmt::format("is not there: the scene has {}", bodies.size()));
         asked[i] = {point, body};
     }
     calls::RunningCall running{call};
@@ -443,9 +435,7 @@ void Scene::classify(std::span<const Box> boxes, double half_width, std::span<Bo
         State& state = this->state();
         state.require_bodies();
         if (places.size() != boxes.size())
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("{} boxes have {} places for their answers; give as many", boxes.size(), places.size()));
+            refuse("{} boxes have {} places for their answers; give as many", boxes.size(), places.size());
         points::check_boxes(boxes);
         points::check_half_width(half_width);
         std::ranges::fill(places, has_sign() ? BoxPlace::outside : BoxPlace::beyond);

@@ -4,6 +4,7 @@
 
 #include "calls/call.hpp"
 #include "core/call_mutex.hpp"
+#include "core/refuse.hpp"
 #include "core/statistics.hpp"
 #include "device/context.hpp"
 #include "scenes/body_tree.hpp"
@@ -12,8 +13,6 @@
 #include "targets/host_arrays.hpp"
 
 #include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -108,8 +107,7 @@ struct __attribute__((visibility("hidden"))) Scene::State {
 
     const Body& body(std::uint32_t number) const {
         if (number >= bodies.size())
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("there is no body {}: the scene has {}, counted from 0", number, bodies.size()));
+            refuse("there is no body {}: the scene has {}, counted from 0", number, bodies.size());
         return bodies[number];
     }
     Body& body(std::uint32_t number) {
@@ -123,10 +121,9 @@ struct __attribute__((visibility("hidden"))) Scene::State {
     }
 
     void require_bodies() const {
-        if (bodies.empty()) throw Error(ErrorCode::invalid_argument, "the scene has no bodies; add one");
+        if (bodies.empty()) refuse("the scene has no bodies; add one");
         if (std::ranges::none_of(bodies, &Body::is_active))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("all {} bodies of the scene are switched off; switch one on", bodies.size()));
+            refuse("all {} bodies of the scene are switched off; switch one on", bodies.size());
     }
 
     std::shared_ptr<const scenes::BodyTree> current_tree();

@@ -2,6 +2,7 @@
 #include "checks/known_segments.hpp"
 #include "core/floating_point.hpp"
 #include "core/large_memory.hpp"
+#include "core/refuse.hpp"
 #include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
 #include "segments/crossings.hpp"
@@ -54,10 +55,10 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     engine::check_grid(with_margin);
     with_margin.sample_count();
     if (hits == Hits::walls && sign == SignRule::none)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("walls of {} are asked for, and it has no sign: make the transform of a closed mesh "
-                                "with a sign rule, or ask for the links of its faces",
-                                kept_mesh->name()));
+        refuse_unsupported(
+            "walls of {} are asked for, and it has no sign: make the transform of a closed mesh "
+            "with a sign rule, or ask for the links of its faces",
+            kept_mesh->name());
     targets::wait_for(context(), call.wait_list);
     calls::RunningCall running{call};
     running.throw_if_stopped();
@@ -66,11 +67,10 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
                            "the samples of the grid, and those beside it to which links lead,");
         // The part has not the whole floor.
         if (const double lowest = with_margin.position(0, 0, 0)[2]; sign == SignRule::below && lowest <= *floor)
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("links or edges reach down to z = {}, and a restricted transform with the sign rule "
-                            "below has none of its floor, at z = {}; ask above it, or the whole transform",
-                            lowest, *floor));
+            refuse(
+                "links or edges reach down to z = {}, and a restricted transform with the sign rule "
+                "below has none of its floor, at z = {}; ask above it, or the whole transform",
+                lowest, *floor);
     }
     CallStatistics& statistics = running.statistics;
     const Stopwatch preparing;
@@ -129,9 +129,9 @@ std::string lacking_for_crossings(const Grid& grid, bool with_counts) {
 
 segments::LinkChoice choice_of(const LinkOptions& options) {
     if (options.with_between && options.hits == Hits::faces)
-        throw Error(ErrorCode::invalid_argument,
-                    "links with a body between their ends are asked for, and hits are faces, whose links are all there "
-                    "are; leave out with_between, or ask for walls");
+        refuse(
+            "links with a body between their ends are asked for, and hits are faces, whose links are all there "
+            "are; leave out with_between, or ask for walls");
     return {.hits = options.hits, .with_between = options.with_between};
 }
 
@@ -240,7 +240,7 @@ TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const L
                                              const CallOptions& call) const {
     return with_host_memory("for the slabs; ask for those of a part of the grid", [&] {
         segments::check_directions(directions);
-        if (!sink) throw Error(ErrorCode::invalid_argument, "links in slabs need a sink, and it is empty");
+        if (!sink) refuse("links in slabs need a sink, and it is empty");
         const segments::LinkChoice choice = choice_of(options);
         const std::vector<Grid> slabs = slabs_of(grid);
         CallStatistics made =

@@ -5,6 +5,7 @@
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "core/outputs.hpp"
+#include "core/refuse.hpp"
 #include "plan/slabs.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/output_targets.hpp"
@@ -95,9 +96,9 @@ std::vector<std::uint32_t> DistanceTransform::part_vertices() const {
     const std::scoped_lock lock(state.mutex);
     const engine::MovablePart* movable = state.kept_mesh->movable();
     if (movable == nullptr)
-        throw Error(ErrorCode::unsupported,
-                    "the numbers of a part's vertices are those of one that takes positions; restrict the whole "
-                    "transform with a margin");
+        refuse_unsupported(
+            "the numbers of a part's vertices are those of one that takes positions; restrict the whole "
+            "transform with a margin");
     return with_host_memory("for the numbers of the vertices", [&] { return movable->numbers; });
 }
 std::vector<std::byte> DistanceTransform::part_bytes() const {
@@ -196,7 +197,7 @@ TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& ban
         grid.validate();
         grid.sample_count();
         const engine::Job job = state.check({grid, band, targets::extras_of(outputs), {}, call.count_work});
-        if (!sink) throw Error(ErrorCode::invalid_argument, "a field in slabs needs a sink, and it is empty");
+        if (!sink) refuse("a field in slabs needs a sink, and it is empty");
         targets::wait_for(state.context(), call.wait_list);
         return state.compute_slabs(job, sink, options, call).published();
     });
@@ -207,7 +208,7 @@ TransformStatistics DistanceTransform::compute_sparse(const Grid& grid, const Ba
     return with_host_memory("for the sparse field; compute a part of the grid", [&] {
         State& state = this->state();
         const engine::Job job = state.check_sparse(grid, band, targets::extras_of(outputs), call.count_work);
-        if (!sink) throw Error(ErrorCode::invalid_argument, "a sparse field in layers needs a sink, and it is empty");
+        if (!sink) refuse("a sparse field in layers needs a sink, and it is empty");
         targets::wait_for(state.context(), call.wait_list);
         return state.compute_sparse(job, sink, call).published();
     });

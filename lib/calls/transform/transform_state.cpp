@@ -1,5 +1,6 @@
 #include "calls/transform/transform_state.hpp"
 
+#include "core/refuse.hpp"
 #include "cutting/outer_mesh.hpp"
 #include "mesh/equal_vertices.hpp"
 #include "plan/field_method.hpp"
@@ -24,13 +25,12 @@ constexpr std::size_t most_plans = 4;
 
 void check_floor(const TransformOptions& options) {
     if (options.sign == SignRule::below && !options.floor)
-        throw Error(ErrorCode::invalid_argument,
-                    "the sign rule below needs a floor, to which walls go down from the rim; give its z (--floor)");
+        refuse("the sign rule below needs a floor, to which walls go down from the rim; give its z (--floor)");
     if (options.sign != SignRule::below && options.floor)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("a floor, at z = {}, is for the sign rule below, and the rule is {}; leave it out, or "
-                                "choose the sign rule below",
-                                *options.floor, name_of(options.sign)));
+        refuse(
+            "a floor, at z = {}, is for the sign rule below, and the rule is {}; leave it out, or "
+            "choose the sign rule below",
+            *options.floor, name_of(options.sign));
 }
 
 engine::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, const TransformOptions& options,
@@ -60,8 +60,8 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
         return;
     }
     if (method)
-        throw Error(ErrorCode::unsupported,
-                    "polyhedra and scans of clsdf::papers take the surface as given; give them the mesh of outer()");
+        refuse_unsupported(
+            "polyhedra and scans of clsdf::papers take the surface as given; give them the mesh of outer()");
     set_outer(mesh, options, call);
     engine::Vertices vertices(mesh.vertices().size());
     if (topology.coincident_vertices > 0) vertices = engine::Vertices(mesh, first_equal_vertices(mesh.vertices()));
@@ -210,34 +210,30 @@ DistanceTransform::State::State(const State& other, const std::shared_ptr<device
 
 std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(std::vector<Region> regions,
                                                                                double margin) {
-    if (regions.empty())
-        throw Error(ErrorCode::invalid_argument, "a transform is restricted to regions, and there is none; give one");
+    if (regions.empty()) refuse("a transform is restricted to regions, and there is none; give one");
     for (std::size_t n = 0; n < regions.size(); ++n) {
         const auto& [box, half_width, spacing] = regions[n];
         points::check_box(box, fmt::format("the box of region {} of {}", n, regions.size()));
         if (!(half_width > 0 && std::isfinite(half_width)))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("region {} of {} has the half width {}, which must be positive and finite: "
-                                    "give the largest one that is asked for; for fields without a band use the whole "
-                                    "transform",
-                                    n, regions.size(), half_width));
+            refuse(
+                "region {} of {} has the half width {}, which must be positive and finite: "
+                "give the largest one that is asked for; for fields without a band use the whole "
+                "transform",
+                n, regions.size(), half_width);
         if (!(spacing >= 0 && std::isfinite(spacing)))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("region {} of {} has the spacing {}; give the largest one of its grids, or 0 if "
-                                    "there are none",
-                                    n, regions.size(), spacing));
+            refuse(
+                "region {} of {} has the spacing {}; give the largest one of its grids, or 0 if "
+                "there are none",
+                n, regions.size(), spacing);
     }
     if (!(margin >= 0 && std::isfinite(margin)))
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("the margin is {}; give the longest way that a vertex will move, or 0 if they stay", margin));
+        refuse("the margin is {}; give the longest way that a vertex will move, or 0 if they stay", margin);
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
     if (kept_mesh->restriction() != nullptr)
-        throw Error(ErrorCode::unsupported, "the transform is restricted already; restrict the whole one");
+        refuse_unsupported("the transform is restricted already; restrict the whole one");
     if (method)
-        throw Error(ErrorCode::unsupported,
-                    "a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
+        refuse_unsupported("a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
     context().begin_call();
     auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     auto own_mesh = calls::with_remedies(nullptr, {forgetting()}, [&] {
@@ -273,11 +269,10 @@ void DistanceTransform::State::move_joined(std::vector<Vec3> positions) {
 std::vector<std::byte> DistanceTransform::State::part_bytes() {
     const std::scoped_lock lock(mutex);
     if (kept_mesh->restriction() == nullptr)
-        throw Error(ErrorCode::unsupported, "the transform is whole, and parts alone have bytes; restrict it first");
+        refuse_unsupported("the transform is whole, and parts alone have bytes; restrict it first");
     const engine::RegionPart part = kept_mesh->own_part();
     if (part.given_faces)
-        throw Error(
-            ErrorCode::unsupported,
+        refuse_unsupported(
             "a part of a transform whose surface is outer has no bytes; make the transform of the mesh of outer()");
     return engine::bytes_of(part, {sign, floor, topology});
 }
@@ -337,14 +332,13 @@ void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, c
 void DistanceTransform::State::require_mobile(bool is_movable) const {
     if (kept_mesh->restriction() == nullptr) return;
     if (kept_mesh->movable() == nullptr)
-        throw Error(
-            ErrorCode::unsupported,
+        refuse_unsupported(
             "the transform is restricted, and triangles would come and go; set the positions of the whole one and "
             "restrict it again, or restrict it with a margin");
     if (!is_movable)
-        throw Error(ErrorCode::unsupported,
-                    "the transform is restricted, and the longest way of its vertices has a limit, the margin; set "
-                    "the positions of its vertices in the place of a motion");
+        refuse_unsupported(
+            "the transform is restricted, and the longest way of its vertices has a limit, the margin; set "
+            "the positions of its vertices in the place of a motion");
 }
 
 void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
@@ -389,29 +383,29 @@ void DistanceTransform::State::test(std::span<const checks::TestSubject> subject
 engine::Job DistanceTransform::State::check(engine::JobKey asked) const {
     for (const double width : {asked.band.inside, asked.band.outside})
         if (width > 0 && static_cast<float>(width) == 0)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the band's half width {} is below the range of floats, in which distances are "
-                                    "given; scale the mesh and the grid up",
-                                    width));
+            refuse(
+                "the band's half width {} is below the range of floats, in which distances are "
+                "given; scale the mesh and the grid up",
+                width);
     if (asked.band.has_signs_only && sign == SignRule::none)
-        throw Error(ErrorCode::invalid_argument,
-                    "a field of signs alone is asked for, and the transform has no sign; give the band a width, or "
-                    "make the transform of a closed mesh with a sign rule");
+        refuse(
+            "a field of signs alone is asked for, and the transform has no sign; give the band a width, or "
+            "make the transform of a closed mesh with a sign rule");
     if (asked.band.has_exact_signs && sign == SignRule::none)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("exact signs of {} are asked for, and it has no sign; make the transform of a closed "
-                                "mesh with a sign rule, or leave exact signs out",
-                                kept_mesh->name()));
+        refuse(
+            "exact signs of {} are asked for, and it has no sign; make the transform of a closed "
+            "mesh with a sign rule, or leave exact signs out",
+            kept_mesh->name());
     if (method) {
         method->check_outputs(asked.outputs);
         if (asked.band.has_exact_signs)
-            throw Error(ErrorCode::unsupported,
-                        "exact signs are those of leaned frusta, scanned by bricks, alone; leave exact signs out, or "
-                        "the published method");
+            refuse_unsupported(
+                "exact signs are those of leaned frusta, scanned by bricks, alone; leave exact signs out, or "
+                "the published method");
         if (asked.outputs.contains(Output::distance))
-            throw Error(ErrorCode::unsupported,
-                        "distances in double are computed from leaned frusta, scanned by bricks, alone; give the "
-                        "distance an array of floats");
+            refuse_unsupported(
+                "distances in double are computed from leaned frusta, scanned by bricks, alone; give the "
+                "distance an array of floats");
     }
     return kept_mesh->checked(std::move(asked), sign);
 }

@@ -1,10 +1,9 @@
 #include "frusta/prepared_mesh.hpp"
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "device/buffer_pool.hpp"
 #include "frusta/frames.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,10 +48,11 @@ void check_distance(const Box& box, const std::string& mesh_name, const LatticeV
         const double low = (box.lower[axis] - lattice.origin[axis]) / lattice.unit;
         const double high = (box.upper[axis] - lattice.origin[axis]) / lattice.unit;
         if (!(std::abs(low) < farthest) || !(std::abs(high) < farthest))
-            throw Error(ErrorCode::invalid_argument, fmt::format("{} reaches more than 1e14 voxels from the grid's "
-                                                                 "origin on axis {}; use a larger spacing, or a grid "
-                                                                 "near the mesh",
-                                                                 mesh_name, "xyz"[axis]));
+            refuse(
+                "{} reaches more than 1e14 voxels from the grid's "
+                "origin on axis {}; use a larger spacing, or a grid "
+                "near the mesh",
+                mesh_name, "xyz"[axis]);
     }
 }
 

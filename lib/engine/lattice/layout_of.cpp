@@ -1,8 +1,6 @@
 #include "lattice/layout_of.hpp"
 
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
+#include "core/refuse.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,20 +31,15 @@ void check_range(const Grid& grid, const Band& band) {
     constexpr double largest_ratio = 1e9;
     const double longest = *std::max_element(grid.spacing.begin(), grid.spacing.end());
     if (longest > largest_ratio * grid.voxel())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the spacings {} and {} differ by more than a factor of 1e9", grid.voxel(), longest));
+        refuse("the spacings {} and {} differ by more than a factor of 1e9", grid.voxel(), longest);
     constexpr auto smallest = static_cast<double>(std::numeric_limits<float>::min());
     constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
     if (unit_of(grid) < smallest || longest > largest)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("a spacing of {} is beyond the floats that distances are given in; scale the mesh",
-                                longest > largest ? longest : grid.voxel()));
+        refuse("a spacing of {} is beyond the floats that distances are given in; scale the mesh",
+               longest > largest ? longest : grid.voxel());
     for (const double half_width : {band.inside, band.outside})
         if (std::isfinite(half_width) && half_width > largest)
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("a half width of {} is beyond the floats that distances are given in; scale the mesh",
-                            half_width));
+            refuse("a half width of {} is beyond the floats that distances are given in; scale the mesh", half_width);
 }
 
 /// A float not below the value.
@@ -78,10 +71,10 @@ void set_part(const Grid& grid, Layout& layout) {
         const std::int64_t first = grid.first[axis];
         const std::int64_t end = first + grid.size[axis];
         if (first < -index_limit || end > index_limit)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the grid's samples {} to {} on axis {} lie beyond "
-                                    "2^30 - 128 samples from its origin; move the origin nearer",
-                                    first, end - 1, "xyz"[axis]));
+            refuse(
+                "the grid's samples {} to {} on axis {} lie beyond "
+                "2^30 - 128 samples from its origin; move the origin nearer",
+                first, end - 1, "xyz"[axis]);
         layout.first[axis] = static_cast<std::int32_t>(first);
         layout.size[axis] = static_cast<std::int32_t>(grid.size[axis]);
         const auto range = [&](std::int64_t block, std::int32_t& begin, std::int32_t& count) {
@@ -111,14 +104,12 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
     const double outside = band.outside / unit;
     const double widest = std::max(inside, outside);
     if (std::isfinite(widest) && widest > unbounded_half_width)
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("the band's half width of {} is beyond 1e15 voxels; use an infinite one", band.widest()));
+        refuse("the band's half width of {} is beyond 1e15 voxels; use an infinite one", band.widest());
     if (const double reach = reach_of(layout, grid) / unit; std::isinf(widest) && reach > farthest_sample)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the grid reaches {:.3g} voxels from its lattice's sample (0, 0, 0); without a band it "
-                                "may reach 8e14; move the origin nearer, or give the field a finite half width",
-                                reach));
+        refuse(
+            "the grid reaches {:.3g} voxels from its lattice's sample (0, 0, 0); without a band it "
+            "may reach 8e14; move the origin nearer, or give the field a finite half width",
+            reach);
     layout.half_width = rounded_up(std::min(widest, unbounded_half_width));
     layout.inside_squared = squared_limit(inside);
     layout.outside_squared = squared_limit(outside);

@@ -1,5 +1,6 @@
 #include "launch/programs.hpp"
 
+#include "core/refuse.hpp"
 #include "device/find/bundled_driver.hpp"
 #include "device/opencl.hpp"
 #include "layout.h"
@@ -64,10 +65,8 @@ ProgramSources::ProgramSources(const device::Context::Capabilities& capabilities
       device_options_(fmt::format("{}{}", capabilities.rounds_roots ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
                                   capabilities.plain_inline ? " -DPLAIN_INLINE" : "")) {
     if (capabilities.largest_group < group_size)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("the device allows work-groups of {} items, and the kernels need {}; use another device",
-                        capabilities.largest_group, group_size));
+        refuse_unsupported("the device allows work-groups of {} items, and the kernels need {}; use another device",
+                           capabilities.largest_group, group_size);
 }
 
 std::string ProgramSources::common_options(std::size_t of_lanes) const {

@@ -5,6 +5,7 @@
 #include <clsdf/mesh.hpp>
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 
 #include <array>
 #include <cstddef>
@@ -62,9 +63,9 @@ inline Steps steps_of(const InputArray& triples) {
 /// Throws Error(unsupported) for memory of the device.
 inline const std::byte* first_of(const InputArray& triples) {
     if (triples.device != nullptr)
-        throw Error(ErrorCode::unsupported,
-                    "these arrays of a mesh are memory of the device, which this call cannot read; make a transform of "
-                    "them, or give arrays of the host");
+        refuse_unsupported(
+            "these arrays of a mesh are memory of the device, which this call cannot read; make a transform of "
+            "them, or give arrays of the host");
     return static_cast<const std::byte*>(triples.host) + triples.offset;
 }
 

@@ -1,4 +1,5 @@
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "core/word_hash.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/equal_vertices.hpp"
@@ -84,9 +85,10 @@ Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triang
     // 0xFFFFFFFF is the index that means no triangle.
     constexpr std::size_t limit = std::numeric_limits<std::uint32_t>::max();
     if (triangles.size() >= limit || vertices.size() >= limit)
-        throw Error(ErrorCode::unsupported, fmt::format("{}: {} vertices and {} triangles are more than 32-bit indices "
-                                                        "can number",
-                                                        name, vertices.size(), triangles.size()));
+        refuse_unsupported(
+            "{}: {} vertices and {} triangles are more than 32-bit indices "
+            "can number",
+            name, vertices.size(), triangles.size());
     if (vertices.empty()) throw_if_bad(0, vertices, triangles, name);
     constexpr std::size_t grain = 4096;
     const Examined all = reduce_ranges(
@@ -122,9 +124,10 @@ Mesh::Mesh(const MeshView& view, std::string name)
 
 void Mesh::set_positions(std::vector<Vec3> positions) {
     if (positions.size() != vertices_.size())
-        throw Error(ErrorCode::invalid_argument, fmt::format("{} has {} vertices, and {} positions are given; give one "
-                                                             "for each",
-                                                             name_, vertices_.size(), positions.size()));
+        refuse(
+            "{} has {} vertices, and {} positions are given; give one "
+            "for each",
+            name_, vertices_.size(), positions.size());
     box_ = check(positions, triangles_.get(), name_);
     // Not moved: the C interface promises that the address of the vertices stays.
     std::ranges::copy(positions, vertices_.begin());
@@ -146,20 +149,16 @@ void Mesh::set_groups(FaceGroups groups) {
         return;
     }
     if (groups.numbers.size() != triangles().size())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} has {} triangles, and the groups have numbers for {}; give one for each", name_,
-                                triangles().size(), groups.numbers.size()));
+        refuse("{} has {} triangles, and the groups have numbers for {}; give one for each", name_, triangles().size(),
+               groups.numbers.size());
     const auto bad = std::ranges::find_if(groups.numbers, [&](std::uint32_t n) { return n >= groups.names.size(); });
     if (bad != groups.numbers.end())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: triangle {} has the group {}, but there are only {} names; both count from 0",
-                                name_, bad - groups.numbers.begin(), *bad, groups.names.size()));
+        refuse("{}: triangle {} has the group {}, but there are only {} names; both count from 0", name_,
+               bad - groups.numbers.begin(), *bad, groups.names.size());
     std::unordered_set<std::string_view> names;
     for (const std::string& name : groups.names)
         if (!names.insert(name).second)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("{}: two groups have the name '{}'; make them one, or give them different names",
-                                    name_, name));
+            refuse("{}: two groups have the name '{}'; make them one, or give them different names", name_, name);
     groups_ = std::make_shared<const FaceGroups>(std::move(groups));
 }
 
@@ -190,9 +189,7 @@ Mesh weld(const Mesh& mesh) {
 
 Mesh weld(const Mesh& mesh, double tolerance) {
     if (!(tolerance >= 0) || !std::isfinite(tolerance))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("vertices are to be joined within {}; give a length of 0 or more, in the mesh's units",
-                                tolerance));
+        refuse("vertices are to be joined within {}; give a length of 0 or more, in the mesh's units", tolerance);
     std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
     std::vector<bool> is_used(first.size());
     for (const Triangle& triangle : mesh.triangles())
@@ -212,10 +209,10 @@ Mesh weld(const Mesh& mesh, double tolerance) {
     const bool had_face = has_face();
     for (std::uint32_t& index : first) index = least[index];
     if (had_face && !has_face())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("vertices are to be joined within {}, but then no face of the mesh, whose longest side "
-                                "is {}, keeps three vertices; give a length below that of the edges",
-                                tolerance, mesh.box().longest_side()));
+        refuse(
+            "vertices are to be joined within {}, but then no face of the mesh, whose longest side "
+            "is {}, keeps three vertices; give a length below that of the edges",
+            tolerance, mesh.box().longest_side());
     return merged_with_groups(mesh, first);
 }
 

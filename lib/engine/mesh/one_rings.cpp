@@ -2,18 +2,13 @@
 
 #include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
+#include "core/refuse.hpp"
 
 namespace clsdf {
 
 std::size_t checked_face_count(std::size_t count) {
     if (count > most_faces)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("{} triangles are more than the {} that can be prepared; split the mesh", count, most_faces));
+        refuse_unsupported("{} triangles are more than the {} that can be prepared; split the mesh", count, most_faces);
     return count;
 }
 

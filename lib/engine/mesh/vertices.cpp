@@ -3,6 +3,7 @@
 #include <clsdf/error.hpp>
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "mesh/equal_vertices.hpp"
 #include "mesh/mesh_arrays.hpp"
 
@@ -24,19 +25,18 @@ void check_rotation(const std::array<Vec3, 3>& rotation) {
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t b = a; b < 3; ++b)
             if (const double expected = a == b ? 1 : 0; !(std::abs(product(a, b) - expected) <= 1e-12))
-                throw Error(
-                    ErrorCode::invalid_argument,
-                    fmt::format("the matrix is no rotation: the product of its rows {} and {} is {}, and must be {} "
-                                "to 1e-12; make its rows unit vectors at right angles in double precision, for "
-                                "example from an angle or a quaternion",
-                                a, b, product(a, b), expected));
+                refuse(
+                    "the matrix is no rotation: the product of its rows {} and {} is {}, and must be {} "
+                    "to 1e-12; make its rows unit vectors at right angles in double precision, for "
+                    "example from an angle or a quaternion",
+                    a, b, product(a, b), expected);
     const auto& [x, y, z] = rotation;
     const double determinant =
         x[0] * (y[1] * z[2] - y[2] * z[1]) + x[1] * (y[2] * z[0] - y[0] * z[2]) + x[2] * (y[0] * z[1] - y[1] * z[0]);
     if (determinant < 0)
-        throw Error(ErrorCode::invalid_argument,
-                    "the matrix is a reflection, whose determinant is -1, and would turn the mesh inside out; make "
-                    "the determinant 1, or mirror the mesh and exchange two vertices of each triangle");
+        refuse(
+            "the matrix is a reflection, whose determinant is -1, and would turn the mesh inside out; make "
+            "the determinant 1, or mirror the mesh and exchange two vertices of each triangle");
 }
 
 }  // namespace
@@ -58,9 +58,8 @@ std::vector<std::uint32_t> Vertices::numbers(const std::vector<std::uint32_t>& f
 
 std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positions) const {
     if (positions.size() != count_)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} has {} vertices, and {} positions are given; give one for each", mesh.name(),
-                                count_, positions.size()));
+        refuse("{} has {} vertices, and {} positions are given; give one for each", mesh.name(), count_,
+               positions.size());
     if (welded_.empty()) return {positions.begin(), positions.end()};
     std::vector<Vec3> result(mesh.vertices());
     std::vector<std::uint32_t> first(result.size(), no_vertex);
@@ -76,12 +75,11 @@ std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positi
             first[index] = vertex;
             result[index] = to;
         } else if (const Vec3& other = result[index]; other != to) {
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("vertices {} and {} of {} had equal coordinates and count as one, and they move "
-                            "apart, to ({}, {}, {}) and ({}, {}, {}); move them together, or make a new "
-                            "transform",
-                            first[index], vertex, mesh.name(), other[0], other[1], other[2], to[0], to[1], to[2]));
+            refuse(
+                "vertices {} and {} of {} had equal coordinates and count as one, and they move "
+                "apart, to ({}, {}, {}) and ({}, {}, {}); move them together, or make a new "
+                "transform",
+                first[index], vertex, mesh.name(), other[0], other[1], other[2], to[0], to[1], to[2]);
         }
     }
     return result;
@@ -105,9 +103,7 @@ std::vector<Vec3> Vertices::moved(std::span<const Vec3> first, const std::array<
     check_rotation(rotation);
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (!std::isfinite(translation[axis]))
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("the translation's component {} is {}; give a finite one", "xyz"[axis], translation[axis]));
+            refuse("the translation's component {} is {}; give a finite one", "xyz"[axis], translation[axis]);
     std::vector<Vec3> positions(first.size());
     for_each_index(positions.size(), [&](std::size_t vertex) {
         const Vec3& x = first[vertex];

@@ -1,5 +1,6 @@
 #include "plan/kept_mesh.hpp"
 
+#include "core/refuse.hpp"
 #include "finish/sites.hpp"
 #include "lattice/layout_of.hpp"
 #include "mesh/box_index.hpp"
@@ -26,10 +27,10 @@ void check_unbounded_distances(const Box& mesh, const Grid& grid, const Band& ba
     const double diagonal =
         std::hypot(all.upper[0] - all.lower[0], all.upper[1] - all.lower[1], all.upper[2] - all.lower[2]);
     if (diagonal > static_cast<double>(std::numeric_limits<float>::max()))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("grid and mesh have a diagonal of {}, beyond the floats that distances are given in; "
-                                "scale the mesh, or give the band an end",
-                                diagonal));
+        refuse(
+            "grid and mesh have a diagonal of {}, beyond the floats that distances are given in; "
+            "scale the mesh, or give the band an end",
+            diagonal);
 }
 
 }  // namespace
@@ -93,14 +94,14 @@ KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool>
 
 RegionPart KeptMesh::part_of_regions(std::vector<Region> regions, SignRule sign, double margin) {
     if (margin > 0 && given_faces_)
-        throw Error(ErrorCode::unsupported,
-                    "a part with a margin is one of the faces as given, and the transform has the surface outer, "
-                    "whose faces are cut anew when vertices move; make the transform of the mesh of outer()");
+        refuse_unsupported(
+            "a part with a margin is one of the faces as given, and the transform has the surface outer, "
+            "whose faces are cut anew when vertices move; make the transform of the mesh of outer()");
     if (margin > 0 && !ways().frusta_by_kernels)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("a part with a margin is one of a mesh of up to {} triangles, and {} has {}; divide "
-                                "the mesh",
-                                std::size_t{1} << 28, name(), face_count()));
+        refuse_unsupported(
+            "a part with a margin is one of a mesh of up to {} triangles, and {} has {}; divide "
+            "the mesh",
+            std::size_t{1} << 28, name(), face_count());
     return prepare([&] {
         Restriction restriction(std::move(regions));
         NearWithinMargin near;
@@ -301,11 +302,11 @@ std::shared_ptr<const OpenBoundary> KeptMesh::any_boundary() {
 
 bool KeptMesh::encloses_negative_volume() {
     if (volume_is_unknown_)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("gradients need the side that the faces of all of {} look to, and motions by up to the "
-                                "margin {} of this part can turn it inside out; leave gradients out, or restrict the "
-                                "whole transform with a smaller margin",
-                                name(), mover_->movable()->margin));
+        refuse_unsupported(
+            "gradients need the side that the faces of all of {} look to, and motions by up to the "
+            "margin {} of this part can turn it inside out; leave gradients out, or restrict the "
+            "whole transform with a smaller margin",
+            name(), mover_->movable()->margin);
     return *encloses_negative_volume_.get_or([&] { return clsdf::encloses_negative_volume(mesh(), sign_surface()); });
 }
 

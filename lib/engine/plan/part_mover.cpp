@@ -3,6 +3,7 @@
 #include <clsdf/error.hpp>
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "mesh/mesh_arrays.hpp"
 #include "surface/terrain.hpp"
 
@@ -20,10 +21,10 @@ Box PartMover::checked_box(std::span<const Vec3> positions) const {
     const std::string& name = part.mesh.name();
     const std::vector<Vec3>& first = part.mesh.vertices();
     if (positions.size() != first.size())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the part of {} has {} vertices, and {} positions are given; give one for each number "
-                                "of part_vertices()",
-                                name, first.size(), positions.size()));
+        refuse(
+            "the part of {} has {} vertices, and {} positions are given; give one for each number "
+            "of part_vertices()",
+            name, first.size(), positions.size());
     Box box = empty_box;
     for (std::size_t vertex = 0; vertex < first.size(); ++vertex) {
         const Vec3 &from = first[vertex], &to = positions[vertex];
@@ -33,12 +34,11 @@ Box PartMover::checked_box(std::span<const Vec3> positions) const {
                                     part.numbers[vertex], to[0], to[1], to[2]));
         const double way = std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
         if (!(way <= part.margin))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("vertex {} of {}, counted from 0, moves by {} from ({}, {}, {}) to ({}, {}, {}), "
-                                    "and the part has the margin {}; restrict the whole transform at positions "
-                                    "nearby, or with a larger margin",
-                                    part.numbers[vertex], name, way, from[0], from[1], from[2], to[0], to[1], to[2],
-                                    part.margin));
+            refuse(
+                "vertex {} of {}, counted from 0, moves by {} from ({}, {}, {}) to ({}, {}, {}), "
+                "and the part has the margin {}; restrict the whole transform at positions "
+                "nearby, or with a larger margin",
+                part.numbers[vertex], name, way, from[0], from[1], from[2], to[0], to[1], to[2], part.margin);
         add(box, {to, to});
     }
     return without_negative_zeros(box);
@@ -82,10 +82,10 @@ Frusta PartMover::part_of(const Frusta& all, const MeshTopology& topology, std::
     const auto place_of = [&](const std::vector<std::uint32_t>& list, std::uint32_t value) {
         const std::uint32_t place = place_in(list, value);
         if (place == list.size() || list[place] != value)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the part of {} has a point site at a vertex or face that it does not have; make "
-                                    "it again, of the whole transform",
-                                    part.mesh.name()));
+            refuse(
+                "the part of {} has a point site at a vertex or face that it does not have; make "
+                "it again, of the whole transform",
+                part.mesh.name());
         return place;
     };
     Frusta frusta;

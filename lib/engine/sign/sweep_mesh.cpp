@@ -2,6 +2,7 @@
 
 #include "core/least_index.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "device/buffer_pool.hpp"
 #include "lattice/layout_of.hpp"
 #include "launch/short_launches.hpp"
@@ -104,11 +105,10 @@ struct SweepLattice {
 };
 
 [[noreturn]] void refuse_far(const std::string& mesh_name, const std::string& vertex) {
-    throw Error(
-        ErrorCode::unsupported,
-        fmt::format("{} of {} lies more than 2^40 voxels from the grid's origin, too far for an exact sign; use "
-                    "a larger spacing or an unsigned field",
-                    vertex, mesh_name));
+    refuse_unsupported(
+        "{} of {} lies more than 2^40 voxels from the grid's origin, too far for an exact sign; use "
+        "a larger spacing or an unsigned field",
+        vertex, mesh_name);
 }
 
 /// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.

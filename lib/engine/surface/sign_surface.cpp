@@ -1,13 +1,10 @@
 #include "surface/sign_surface.hpp"
 
-#include <clsdf/error.hpp>
-
 #include "core/bucket_sort.hpp"
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "mesh/box_index.hpp"
-
-#include <fmt/format.h>
 
 #include <utility>
 
@@ -81,14 +78,13 @@ void check_joined(const std::string& name, const Box& all, const SignSurface& su
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (!(box.upper[axis] - box.lower[axis] > most))
                 continue;  // also if one is not finite, which is told later
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("vertices {} and {} of {} differed by rounding and are joined for the sign, and "
-                            "they move apart, to ({}, {}, {}) and ({}, {}, {}), or others that are joined with "
-                            "them do; move them together, to within {} on each axis, use the sign rule none, or "
-                            "make a new transform",
-                            callers_number(least), callers_number(vertex), name, moved[least][0], moved[least][1],
-                            moved[least][2], moved[vertex][0], moved[vertex][1], moved[vertex][2], most));
+            refuse(
+                "vertices {} and {} of {} differed by rounding and are joined for the sign, and "
+                "they move apart, to ({}, {}, {}) and ({}, {}, {}), or others that are joined with "
+                "them do; move them together, to within {} on each axis, use the sign rule none, or "
+                "make a new transform",
+                callers_number(least), callers_number(vertex), name, moved[least][0], moved[least][1], moved[least][2],
+                moved[vertex][0], moved[vertex][1], moved[vertex][2], most);
         }
     }
 }

@@ -1,14 +1,11 @@
 #include "surface/terrain.hpp"
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "mesh/box_index.hpp"
 #include "surface/parts.hpp"
 #include "surface/ray_side.hpp"
 #include "surface/topology.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -175,10 +172,10 @@ void describe_rim(const Mesh& mesh, const OpenLoops& rim, Topology& report) {
 
 void check_floor(double floor, const Box& box, const std::string& mesh_name) {
     if (std::isfinite(floor) && floor < box.lower[2]) return;
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("the floor is at z = {}, and the lowest vertex of {} at z = {}; the sign rule below needs "
-                            "a finite floor below it",
-                            floor, mesh_name, box.lower[2]));
+    refuse(
+        "the floor is at z = {}, and the lowest vertex of {} at z = {}; the sign rule below needs "
+        "a finite floor below it",
+        floor, mesh_name, box.lower[2]);
 }
 
 Mesh close_down(const Mesh& mesh, double floor) {

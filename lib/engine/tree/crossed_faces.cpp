@@ -1,11 +1,10 @@
 #include "tree/crossed_faces.hpp"
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "mesh/expansions.hpp"
 
 #include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -54,11 +53,11 @@ void refuse_inexact(const PointMesh& mesh, const std::string& name) {
         for (const Vec3& p : positions)
             for (const double x : p)
                 if (!is_exact_in_units({x, 0, 0}, 1 / mesh.lattice.unit))
-                    throw Error(ErrorCode::unsupported,
-                                fmt::format("{} has the coordinate {}, which in units of {} is smaller than 2^-300 or "
-                                            "greater than 2^300: where segments meet the surface cannot be decided "
-                                            "then; set such coordinates to 0",
-                                            name, x, mesh.lattice.unit));
+                    refuse_unsupported(
+                        "{} has the coordinate {}, which in units of {} is smaller than 2^-300 or "
+                        "greater than 2^300: where segments meet the surface cannot be decided "
+                        "then; set such coordinates to 0",
+                        name, x, mesh.lattice.unit);
     throw Error(ErrorCode::wrong_results, name + " has no coordinate out of range, and one was found");
 }
 

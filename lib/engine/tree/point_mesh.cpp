@@ -1,13 +1,10 @@
 #include "tree/point_mesh.hpp"
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "device/buffer_pool.hpp"
 #include "frusta/records.hpp"
 #include "launch/commands.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -98,10 +95,10 @@ LatticeView lattice_for_points(const Box& box, const std::string& name) {
     constexpr auto smallest = static_cast<double>(std::numeric_limits<float>::min()),
                    largest = static_cast<double>(std::numeric_limits<float>::max());
     if (!(lattice.unit >= smallest && lattice.unit <= largest / 512))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the longest side of {}, {}, is beyond the floats that distances are given in; scale "
-                                "the mesh",
-                                name, longest));
+        refuse(
+            "the longest side of {}, {}, is beyond the floats that distances are given in; scale "
+            "the mesh",
+            name, longest);
     return lattice;
 }
 

@@ -2,7 +2,7 @@
 
 #include <clsdf/error.hpp>
 
-#include <fmt/format.h>
+#include "core/refuse.hpp"
 
 #include <atomic>
 #include <mutex>
@@ -29,9 +29,7 @@ public:
     /// Throws if this thread has locked it.
     void check_thread() const {
         if (owner_.load() == std::this_thread::get_id())
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("a function of a call's options used {}; use it when the call has returned", locked_));
+            refuse("a function of a call's options used {}; use it when the call has returned", locked_);
     }
 
 private:

@@ -2,7 +2,7 @@
 
 #include <clsdf/error.hpp>
 
-#include <fmt/format.h>
+#include "core/refuse.hpp"
 
 #include <exception>
 #include <memory>
@@ -30,10 +30,10 @@ void keep_for_good(Value& value) noexcept {
 template <typename Pointer>
 auto& held_by(const Pointer& pointer, const char* type) {
     if (!pointer)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("this {} was moved from and is empty; use the object that it was moved to, or assign a "
-                                "new one",
-                                type));
+        refuse(
+            "this {} was moved from and is empty; use the object that it was moved to, or assign a "
+            "new one",
+            type);
     return *pointer;
 }
 

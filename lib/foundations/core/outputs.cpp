@@ -1,5 +1,6 @@
 #include "core/outputs.hpp"
 
+#include "core/refuse.hpp"
 #include "layout.h"
 
 #include <clsdf/error.hpp>
@@ -39,25 +40,22 @@ std::span<const OutputInfo> output_table() {
 const OutputInfo& info_of(Output output) {
     for (const OutputInfo& info : table)
         if (info.output == output) return info;
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("there is no output number {}; the last one is {}, {}", static_cast<int>(output),
-                            static_cast<int>(table.back().output), table.back().name));
+    refuse("there is no output number {}; the last one is {}, {}", static_cast<int>(output),
+           static_cast<int>(table.back().output), table.back().name);
 }
 
 void detail::check_type(Output output, ElementType type) {
     const OutputInfo& info = info_of(output);
     if (type != info.type)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("values of the output {} are given as {}; in fields they are {}", info.name,
-                                name_of(type), name_of(info.type)));
+        refuse("values of the output {} are given as {}; in fields they are {}", info.name, name_of(type),
+               name_of(info.type));
 }
 
 void detail::check_targets(std::span<const OutputTarget> targets) {
     OutputSet given;
     for (const OutputTarget& target : targets) {
         if (given.contains(target.output))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the output {} has two targets; give it one", info_of(target.output).name));
+            refuse("the output {} has two targets; give it one", info_of(target.output).name);
         given.insert(target.output);
     }
 }

@@ -1,5 +1,6 @@
 #include "device/context.hpp"
 
+#include "core/refuse.hpp"
 #include "core/tuning_variables.hpp"
 #include "device/find/bundled_driver.hpp"
 #include "device/find/requirements.hpp"
@@ -172,8 +173,8 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
       pinned_(context_, device_) {
     guarded([&] {
         if (const std::string reason = missing_feature(device_); !reason.empty())
-            throw Error(ErrorCode::unsupported, fmt::format("the device \"{}\" cannot be used: {}; choose another one",
-                                                            device_.getInfo<CL_DEVICE_NAME>(), reason));
+            refuse_unsupported("the device \"{}\" cannot be used: {}; choose another one",
+                               device_.getInfo<CL_DEVICE_NAME>(), reason);
         capabilities_ = capabilities_of(device_);
         limit_arena();
         identity_ = identity_of(device_);
@@ -388,11 +389,10 @@ Context::Built Context::build(const ProgramSource& source, const BuildWatch& wat
     if (const std::optional<cl::Program> program = prepared.find(context_, device_, source.options, text))
         return {*program, key + " prepared"};
     if (is_bundled(device_))
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("{} with the options \"{}\" is not among the programs that are bundled with clsdf for this "
-                        "processor, and the bundled driver has no compiler; for this call {}",
-                        source.kernel_file, source.options, how_to_install));
+        refuse_unsupported(
+            "{} with the options \"{}\" is not among the programs that are bundled with clsdf for this "
+            "processor, and the bundled driver has no compiler; for this call {}",
+            source.kernel_file, source.options, how_to_install);
     if (watch.begins) watch.begins();
     const cl::Program program = compile(source, text);
     const cl::Program written = prepared.write(program, context_, device_, source.options, text);

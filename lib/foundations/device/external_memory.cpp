@@ -1,4 +1,5 @@
 // Memory of other interfaces, by OpenCL's extension cl_khr_external_memory.
+#include "core/refuse.hpp"
 #include "device/context.hpp"
 #include "device/opencl.hpp"
 
@@ -33,22 +34,22 @@ bool has_extension(const cl::Device& device, const std::string& name) {
 cl_mem Device::import_memory(int descriptor, std::size_t bytes) const {
     return device::guarded([&] {
         const device::Context& context = device::context_of(*this);
-        if (bytes == 0) throw Error(ErrorCode::invalid_argument, "memory of 0 bytes cannot be imported; give its size");
+        if (bytes == 0) refuse("memory of 0 bytes cannot be imported; give its size");
         if (::fcntl(descriptor, F_GETFD) < 0)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the descriptor {} is not open; export the memory, and import it before the "
-                                    "descriptor is closed",
-                                    descriptor));
+            refuse(
+                "the descriptor {} is not open; export the memory, and import it before the "
+                "descriptor is closed",
+                descriptor);
         const std::string extension = "cl_khr_external_memory_opaque_fd";
         if (!has_extension(context.device(), extension))
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("the device \"{}\" has no {}, so it takes no memory of CUDA or Vulkan; NVIDIA's "
-                                    "drivers from 510 on have it",
-                                    name(), extension));
+            refuse_unsupported(
+                "the device \"{}\" has no {}, so it takes no memory of CUDA or Vulkan; NVIDIA's "
+                "drivers from 510 on have it",
+                name(), extension);
         if (clCreateBufferWithProperties == nullptr)
-            throw Error(ErrorCode::unsupported,
-                        "the loader of OpenCL, libOpenCL.so.1, has no clCreateBufferWithProperties, which imports "
-                        "memory; install one of OpenCL 3.0 (Debian: ocl-icd-libopencl1)");
+            refuse_unsupported(
+                "the loader of OpenCL, libOpenCL.so.1, has no clCreateBufferWithProperties, which imports "
+                "memory; install one of OpenCL 3.0 (Debian: ocl-icd-libopencl1)");
         const std::array<cl_ulong, 3> properties{external_memory_handle_opaque_fd,
                                                  static_cast<cl_ulong>(static_cast<unsigned>(descriptor)), 0};
         cl_int code = CL_SUCCESS;

@@ -2,6 +2,8 @@
 
 #include <clsdf/tuning.hpp>
 
+#include "core/refuse.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -214,9 +216,8 @@ const KnownFault* known_fault(const Implementation& implementation, KernelBody b
 void refuse_known_fault(const cl::Device& device, KernelBody body) {
     const Implementation implementation = guarded([&] { return implementation_of(device); });
     if (const KnownFault* fault = known_fault(implementation, body))
-        throw Error(ErrorCode::unsupported, fmt::format("{} on \"{}\" {}, so the kernel body {} is not tried there; {}",
-                                                        text_of(implementation), implementation.device, fault->symptom,
-                                                        name_of(body), fault->remedy));
+        refuse_unsupported("{} on \"{}\" {}, so the kernel body {} is not tried there; {}", text_of(implementation),
+                           implementation.device, fault->symptom, name_of(body), fault->remedy);
 }
 
 std::string_view options_around_faults(const Implementation& implementation, std::string_view kernel_file) {

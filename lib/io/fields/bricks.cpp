@@ -2,10 +2,7 @@
 
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
+#include "core/refuse.hpp"
 
 #include <array>
 #include <bit>
@@ -64,10 +61,10 @@ void check_indices(const std::string& path, const Grid& grid, const char* reader
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t first = grid.first[axis], last = first + grid.size[axis] - 1;
         if (first < -end || last >= end - brick_side)
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("{}: the lattice's samples {} to {} along {} exceed the 32 bits of {}; move the "
-                                    "lattice's origin nearer, or choose .nrrd, .npy or .h5",
-                                    path, first, last, "xyz"[axis], reader));
+            refuse_unsupported(
+                "{}: the lattice's samples {} to {} along {} exceed the 32 bits of {}; move the "
+                "lattice's origin nearer, or choose .nrrd, .npy or .h5",
+                path, first, last, "xyz"[axis], reader);
     }
 }
 

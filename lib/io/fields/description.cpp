@@ -1,3 +1,4 @@
+#include "core/refuse.hpp"
 #include "io/fields/field_files.hpp"
 
 #include "io/fields/sparse_files.hpp"
@@ -159,8 +160,7 @@ void check_utf8(const std::string& path, std::string_view reader) {
     try {
         static_cast<void>(json(file_name(path)).dump());
     } catch (const json::exception&) {
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{}: the name is not UTF-8, as {} must be; choose another name", path, reader));
+        refuse_unsupported("{}: the name is not UTF-8, as {} must be; choose another name", path, reader);
     }
 }
 
@@ -172,16 +172,13 @@ SignRule sign_rule_of(const std::string& text) {
     for (const SignRule rule : {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none,
                                 SignRule::solid_angle, SignRule::below})
         if (text == name_of(rule)) return rule;
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("{} is no sign rule; there are auto, nonzero, parity, none, solid-angle and below",
-                            clsdf::quoted(text)));
+    refuse("{} is no sign rule; there are auto, nonzero, parity, none, solid-angle and below", clsdf::quoted(text));
 }
 
 bool is_positive_inside(const std::string& text) {
     if (text.empty() || text == "negative") return false;
     if (text == "positive") return true;
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("{} is no sign of the inside; it is negative or positive", clsdf::quoted(text)));
+    refuse("{} is no sign of the inside; it is negative or positive", clsdf::quoted(text));
 }
 
 Description read_description(const std::string& path) {

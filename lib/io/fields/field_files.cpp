@@ -1,6 +1,7 @@
 #include "io/fields/field_files.hpp"
 
 #include "core/files.hpp"
+#include "core/refuse.hpp"
 #include "core/unfinished_files.hpp"
 #include "io/fields/sparse_files.hpp"
 #include "io/meshes/mesh_files.hpp"
@@ -60,9 +61,8 @@ void check_place_for(OutputSet outputs, const std::string& path, const Format& f
     if (format.has_extras) return;
     for (const OutputInfo& info : extra_outputs())
         if (outputs.contains(info.output))
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("{}: {} cannot store the output {}; choose another format, or leave the output out",
-                                    path, format.ending, info.name));
+            refuse_unsupported("{}: {} cannot store the output {}; choose another format, or leave the output out",
+                               path, format.ending, info.name);
 }
 
 Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& lattice_first) {
@@ -108,8 +108,7 @@ void write_field(const Field& field, const std::string& path) {
     for (const OutputInfo& info : infos_of(outputs)) {
         const std::size_t values = slab.bytes(info.output).size() / info.sample_bytes();
         if (slab.bytes(info.output).size() != samples * info.sample_bytes())
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("field: {} has {} values, but the grid {} samples", info.name, values, samples));
+            refuse("field: {} has {} values, but the grid {} samples", info.name, values, samples);
     }
     FieldWriter writer(path, field, outputs);
     writer.append(slab);
@@ -191,13 +190,12 @@ namespace {
 void check_floor(const std::string& path, const FieldDescription& field) {
     if (!field.floor) return;
     if (field.sign != SignRule::below)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: a floor, at z = {}, is for the sign rule below, and the field's rule is {}; leave "
-                                "it out",
-                                path, *field.floor, name_of(field.sign)));
+        refuse(
+            "{}: a floor, at z = {}, is for the sign rule below, and the field's rule is {}; leave "
+            "it out",
+            path, *field.floor, name_of(field.sign));
     if (!std::isfinite(*field.floor))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: the floor of the sign rule below, {}, is not finite", path, *field.floor));
+        refuse("{}: the floor of the sign rule below, {}, is not finite", path, *field.floor);
 }
 
 }  // namespace
@@ -209,10 +207,9 @@ FieldWriter::FieldWriter(const std::string& path, const FieldDescription& field,
     field.band.validate();
     check_floor(path, field);
     if (field.positive_inside && (field.band.has_signs_only || field.sign == SignRule::none))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: {} cannot be positive inside; write the field without that", path,
-                                field.band.has_signs_only ? "a field of signs alone, which are those of zeros,"
-                                                          : "a field without a sign"));
+        refuse(
+            "{}: {} cannot be positive inside; write the field without that", path,
+            field.band.has_signs_only ? "a field of signs alone, which are those of zeros," : "a field without a sign");
     check_place_for(outputs, path, format);
     format_ = format.writer(path, field, outputs);
 }
@@ -279,10 +276,8 @@ SparseFieldWriter::SparseFieldWriter(const std::string& path, const FieldDescrip
     : field_(field), outputs_(outputs), next_(bricks_begin(field.grid, 2)) {
     const Format& format = format_of(path, ErrorCode::unsupported);
     if (format.sparse_writer == nullptr)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("{}: {} stores no sparse fields; choose .nvdb, .vdb, .npy or .h5, or write a dense field", path,
-                        format.ending));
+        refuse_unsupported("{}: {} stores no sparse fields; choose .nvdb, .vdb, .npy or .h5, or write a dense field",
+                           path, format.ending);
     field.grid.validate();
     field.band.validate();
     check_floor(path, field);

@@ -1,9 +1,9 @@
 // Files of fractions of cells.
 #include "core/files.hpp"
+#include "core/refuse.hpp"
 #include "io/fields/segment_files.hpp"
 #include "io/meshes/raw_values.hpp"
 
-#include <clsdf/error.hpp>
 #include <clsdf/fractions.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/row_tables.hpp>
@@ -108,10 +108,10 @@ void write_vti(const Fractions& found, const std::string& path) {
     const auto counts = found.counts();
     for (const std::size_t count : counts)
         if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("{}: VTK counts the cells of an axis in 32 bits, and {} are too many; choose .npz "
-                                    "or .h5",
-                                    path, count));
+            refuse_unsupported(
+                "{}: VTK counts the cells of an axis in 32 bits, and {} are too many; choose .npz "
+                "or .h5",
+                path, count);
     const auto middle = [&](std::size_t cell, std::size_t n) {
         if (!found.options.centroids_as_points) return 0.0;
         const Vec3 low = found.grid.position(static_cast<std::int64_t>(cell % counts[0]),
@@ -176,8 +176,7 @@ void write_vti(const Fractions& found, const std::string& path) {
 
 void check_fractions_path(const std::string& path) {
     if (const std::string ending = ending_of(path); ending != ".npz" && ending != ".h5" && ending != ".vti")
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("'{}': fractions of cells are written as .npz, .h5 or .vti; choose one of them", path));
+        refuse_unsupported("'{}': fractions of cells are written as .npz, .h5 or .vti; choose one of them", path);
 }
 
 void write_fractions(const Fractions& found, const std::string& path) {

@@ -1,11 +1,8 @@
 #include "io/fields/nvdb_tree.hpp"
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "io/fields/field_files.hpp"
-
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
@@ -302,13 +299,11 @@ TreeWriter::TreeWriter(AtomicFile& file, const std::string& path, const FieldDes
 void TreeWriter::plan() {
     for_each_node(BrickBox(field_.grid), log_upper_bricks, [&](const Brick& first) { plan_upper(first); });
     if (planned_leaves_ != leaves_.size())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: {} of {} bricks lie beyond the grid, or are not in the order of a VDB's leaves",
-                                path_, leaves_.size() - planned_leaves_, leaves_.size()));
+        refuse("{}: {} of {} bricks lie beyond the grid, or are not in the order of a VDB's leaves", path_,
+               leaves_.size() - planned_leaves_, leaves_.size());
     if (leaves_.size() > UINT32_MAX)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{}: {} bricks are more than the 2^32 of a NanoVDB tree; write parts of the field",
-                                path_, leaves_.size()));
+        refuse_unsupported("{}: {} bricks are more than the 2^32 of a NanoVDB tree; write parts of the field", path_,
+                           leaves_.size());
     uppers_begin_ = sizeof(GridData) + sizeof(TreeData) + sizeof(RootData) + root_.size() * sizeof(RootTile);
     lowers_begin_ = uppers_begin_ + uppers_.size() * sizeof(Upper);
     leaves_begin_ = lowers_begin_ + lowers_.size() * sizeof(Lower);
@@ -368,9 +363,7 @@ void TreeWriter::append(std::span<const PackedLeaf> packed) {
 }
 
 void TreeWriter::finish() {
-    if (appended_ != leaves_.size())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: {} bricks are missing", path_, leaves_.size() - appended_));
+    if (appended_ != leaves_.size()) refuse("{}: {} bricks are missing", path_, leaves_.size() - appended_);
     BlindMetaData blind{};
     blind.data_offset = sizeof(BlindMetaData);
     blind.value_count = description_length_;

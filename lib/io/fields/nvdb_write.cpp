@@ -1,14 +1,12 @@
 #include "core/files.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 #include "io/fields/bricks.hpp"
 #include "io/fields/nvdb_tree.hpp"
 #include "io/fields/sparse_files.hpp"
 
-#include <clsdf/error.hpp>
 #include <clsdf/sparse.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -159,10 +157,10 @@ private:
 void check_field(const std::string& path, const FieldDescription& field) {
     check_nvdb(path, {});
     if (field.positive_inside)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{}: NanoVDB's programs take a field to be negative inside; write it so, or choose "
-                                "another format",
-                                path));
+        refuse_unsupported(
+            "{}: NanoVDB's programs take a field to be negative inside; write it so, or choose "
+            "another format",
+            path);
     check_indices(path, field.grid, "a NanoVDB index");
 }
 
@@ -180,9 +178,8 @@ std::unique_ptr<SparseFormatWriter> sparse_nvdb_writer(const std::string& path, 
 
 void check_nvdb(const std::string& path, OutputSet) {
     if (!is_supported)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("{}: NanoVDB's files are little-endian, and this machine is not; choose another format", path));
+        refuse_unsupported("{}: NanoVDB's files are little-endian, and this machine is not; choose another format",
+                           path);
 }
 
 }  // namespace clsdf

@@ -1,4 +1,5 @@
 #include "core/files.hpp"
+#include "core/refuse.hpp"
 #include "io/fields/hdf5_layout.hpp"
 #include "io/fields/sparse_files.hpp"
 
@@ -88,8 +89,7 @@ constexpr const char* no_file =
 }  // namespace
 
 PartWriter::PartWriter(const std::string& path) {
-    if (ending_of(path) != ".h5")
-        throw Error(ErrorCode::unsupported, fmt::format("{}: parts are written as .h5", path));
+    if (ending_of(path) != ".h5") refuse_unsupported("{}: parts are written as .h5", path);
     file_ = std::make_unique<PartFile>(path);
 }
 PartWriter::PartWriter(PartWriter&&) noexcept = default;
@@ -98,7 +98,7 @@ PartWriter::~PartWriter() = default;
 
 void PartWriter::append(std::span<const std::byte> bytes) {
     if (!file_) throw Error(ErrorCode::invalid_argument, no_file);
-    if (bytes.empty()) throw Error(ErrorCode::invalid_argument, fmt::format("{}: a part has no bytes", file_->path()));
+    if (bytes.empty()) refuse("{}: a part has no bytes", file_->path());
     // After a failure some of the part's bytes may be there: the next part would begin behind them.
     std::unique_ptr<PartFile> file = std::move(file_);
     file->append(bytes);
@@ -107,7 +107,7 @@ void PartWriter::append(std::span<const std::byte> bytes) {
 
 void PartWriter::finish() {
     if (!file_) throw Error(ErrorCode::invalid_argument, no_file);
-    if (file_->is_empty()) throw Error(ErrorCode::invalid_argument, fmt::format("{}: there is no part", file_->path()));
+    if (file_->is_empty()) refuse("{}: there is no part", file_->path());
     std::exchange(file_, nullptr)->finish();
 }
 
@@ -125,9 +125,7 @@ std::vector<std::byte> read_part(const std::string& path, std::size_t part) {
     hdf5::with_source(path, [&](InputFile& file, const hdf5::Source& source) {
         require_parts(file, source);
         if (!source.has(dataset_of(part)))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("{}: there is no part {}: parts are numbered from 0, and it has {}", path, part,
-                                    parts_in(source)));
+            refuse("{}: there is no part {}: parts are numbered from 0, and it has {}", path, part, parts_in(source));
         const hdf5::StoredArray array = source.array(wanted_part(part));
         if (!array.chunks.empty())
             file.fail(fmt::format("dataset '/{}': its values are in chunks; save it contiguous (h5repack -l CONTI)",

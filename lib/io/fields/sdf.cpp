@@ -1,5 +1,6 @@
 #include "core/large_memory.hpp"
 #include "core/real_numbers.hpp"
+#include "core/refuse.hpp"
 #include "io/fields/field_files.hpp"
 #include "tools/text.hpp"
 
@@ -294,9 +295,8 @@ private:
 std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field, OutputSet) {
     const Vec3& spacing = field.grid.spacing;
     if (spacing[1] != spacing[0] || spacing[2] != spacing[0])
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{}: .sdf has one spacing for all axes, not {}; choose another format", path,
-                                fmt::join(spacing, ", ")));
+        refuse_unsupported("{}: .sdf has one spacing for all axes, not {}; choose another format", path,
+                           fmt::join(spacing, ", "));
     return std::make_unique<SdfWriter>(path, field);
 }
 

@@ -1,8 +1,8 @@
 #include "io/fields/vdb_trees.hpp"
 
 #include "core/parallel.hpp"
+#include "core/refuse.hpp"
 
-#include <clsdf/error.hpp>
 #pragma GCC visibility push(default)
 #include <openvdb/tools/Prune.h>
 #include <clsdf/openvdb.hpp>
@@ -191,8 +191,7 @@ private:
 
 std::unique_ptr<OutputTree> tree_for(const OutputInfo& info, const Fill& fill, const std::string& path) {
     if (info.output == Output::distance) return std::make_unique<DistanceTree>(info, fill);
-    if (!fits_grid(info))
-        throw Error(ErrorCode::unsupported, fmt::format("{}: .vdb cannot store the output {}", path, info.name));
+    if (!fits_grid(info)) refuse_unsupported("{}: .vdb cannot store the output {}", path, info.name);
     // Beyond the band every bit is set.
     const auto single = std::bit_cast<float>(~std::uint32_t{0});
     const auto twice = std::bit_cast<double>(~std::uint64_t{0});
@@ -221,9 +220,8 @@ openvdb::math::Transform::Ptr transform_of(const Grid& grid, const std::string& 
         transform->read(stream);
         return transform;
     } catch (const openvdb::ArithmeticError&) {
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{}: OpenVDB has no voxels as small as {}; scale the mesh, or choose another format",
-                                path, fmt::join(h, " x ")));
+        refuse_unsupported("{}: OpenVDB has no voxels as small as {}; scale the mesh, or choose another format", path,
+                           fmt::join(h, " x "));
     }
 }
 
@@ -234,11 +232,10 @@ FieldTrees::FieldTrees(const std::string& path, const FieldDescription& field, O
     initialise();
     check_indices(path, field.grid, "an OpenVDB index");
     if (field.positive_inside)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("{}: OpenVDB's programs take a field to be negative inside; write it so, or choose another "
-                        "format",
-                        path));
+        refuse_unsupported(
+            "{}: OpenVDB's programs take a field to be negative inside; write it so, or choose another "
+            "format",
+            path);
     transform_ = transform_of(field.grid, path);
     const Fill fill(field.band);
     for (const OutputInfo& info : infos_) trees_.push_back(tree_for(info, fill, path));
@@ -274,8 +271,7 @@ LevelSetBuilder::LevelSetBuilder(const FieldDescription& field, OutputSet output
     field.band.validate();
     outputs.erase(Output::distance);
     if (!outputs.empty() && outputs != Output::triangle)
-        throw Error(
-            ErrorCode::unsupported,
+        refuse_unsupported(
             "level set: of the outputs it has the distance and the triangle; ask for no others, or write a .vdb "
             "file");
     trees_ = std::make_unique<Trees>("level set", field, outputs);
@@ -286,18 +282,17 @@ LevelSetBuilder& LevelSetBuilder::operator=(LevelSetBuilder&&) noexcept = defaul
 LevelSetBuilder::~LevelSetBuilder() = default;
 
 void LevelSetBuilder::append(const SparseSlab& slab) {
-    if (!trees_) throw Error(ErrorCode::invalid_argument, "level set: nothing can be appended after finish()");
+    if (!trees_) refuse("level set: nothing can be appended after finish()");
     for (const OutputInfo& info : trees_->infos())
         if (const std::size_t bytes = slab.values.bytes(info.output).size();
             bytes != slab.bricks.size() * brick_samples * info.sample_bytes())
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("level set: {} has {} bytes in a part of {} bricks; compute this output, too",
-                                    info.name, bytes, slab.bricks.size()));
+            refuse("level set: {} has {} bytes in a part of {} bricks; compute this output, too", info.name, bytes,
+                   slab.bricks.size());
     trees_->add(slab);
 }
 
 LevelSet LevelSetBuilder::finish() {
-    if (!trees_) throw Error(ErrorCode::invalid_argument, "level set: finish() was called before");
+    if (!trees_) refuse("level set: finish() was called before");
     const std::vector<openvdb::GridBase::Ptr> grids = trees_->finish();
     trees_.reset();
     LevelSet result;

@@ -1,6 +1,5 @@
+#include "core/refuse.hpp"
 #include "io/fields/field_files.hpp"
-
-#include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -153,10 +152,10 @@ private:
 void check_vtk_extent(const std::string& path, const Grid& grid) {
     for (const std::int64_t size : grid.size)
         if (size > std::numeric_limits<std::int32_t>::max())
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("{}: VTK counts the samples of an axis in 32 bits, and {} are too many; choose "
-                                    ".nrrd, .npy or .h5",
-                                    path, size));
+            refuse_unsupported(
+                "{}: VTK counts the samples of an axis in 32 bits, and {} are too many; choose "
+                ".nrrd, .npy or .h5",
+                path, size);
 }
 
 std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field, OutputSet outputs) {

@@ -1,6 +1,7 @@
 #include "io/meshes/mesh_files.hpp"
 
 #include "core/files.hpp"
+#include "core/refuse.hpp"
 #include "io/meshes/face_groups.hpp"
 #include "io/meshes/placement.hpp"
 #include "tools/text.hpp"
@@ -85,12 +86,11 @@ MeshFormat format_of_ending(const std::string& path) {
     if (ending == ".ply") return MeshFormat::ply;
     for (const auto& [packed, program] : packing_programs)
         if (ending == packed)
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("'{0}' is compressed, by its ending; unpack it first, with '{1} {0}', and give the "
-                                    "file .off, .obj, .stl or .ply that comes out",
-                                    path, program));
-    throw Error(ErrorCode::unsupported,
-                fmt::format("'{}' does not end like a mesh file; the endings are .off, .obj, .stl and .ply", path));
+            refuse_unsupported(
+                "'{0}' is compressed, by its ending; unpack it first, with '{1} {0}', and give the "
+                "file .off, .obj, .stl or .ply that comes out",
+                path, program);
+    refuse_unsupported("'{}' does not end like a mesh file; the endings are .off, .obj, .stl and .ply", path);
 }
 
 namespace {
@@ -98,9 +98,8 @@ namespace {
 MeshArrays read_arrays(const FileContent& file, MeshFormat format, ReadingNotes& notes) {
     refuse_other_content(file, format);
     if (!notes.group_by.empty() && format != MeshFormat::ply)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: groups by the property {} are of .ply files alone; leave it out", file.path(),
-                                clsdf::quoted(notes.group_by)));
+        refuse("{}: groups by the property {} are of .ply files alone; leave it out", file.path(),
+               clsdf::quoted(notes.group_by));
     switch (format) {
         case MeshFormat::off:
             return read_off(file, notes);
@@ -246,7 +245,7 @@ Mesh read_mesh(const std::string& path, const ReadOptions& options) {
 }
 
 Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options) {
-    if (paths.empty()) throw Error(ErrorCode::invalid_argument, "no file of a mesh is given; name one or more");
+    if (paths.empty()) refuse("no file of a mesh is given; name one or more");
     if (paths.size() == 1) return read_mesh(paths[0], options);
     check_placement(options);
     return with_memory_for(fmt::format("the meshes '{}'", fmt::join(paths, "', '")), [&] {
@@ -256,10 +255,10 @@ Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options)
             const Mesh mesh = placed(read_file(path, options), options);
             const std::size_t first = all.vertices.size();
             if (mesh.vertices().size() >= std::numeric_limits<std::uint32_t>::max() - first)
-                throw Error(ErrorCode::unsupported,
-                            fmt::format("'{}' and the files before it have {} vertices, and a mesh has fewer than "
-                                        "4294967295; leave some out",
-                                        path, first + mesh.vertices().size()));
+                refuse_unsupported(
+                    "'{}' and the files before it have {} vertices, and a mesh has fewer than "
+                    "4294967295; leave some out",
+                    path, first + mesh.vertices().size());
             all.vertices.insert(all.vertices.end(), mesh.vertices().begin(), mesh.vertices().end());
             for (const Triangle& triangle : mesh.triangles()) {
                 const auto shift = static_cast<std::uint32_t>(first);

@@ -1,5 +1,6 @@
 #include "io/meshes/placement.hpp"
 
+#include "core/refuse.hpp"
 #include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
@@ -57,9 +58,7 @@ constexpr std::array<Up, 6> ups{
 
 Rotation rotation_of(const ReadOptions& options) {
     const auto up = std::ranges::find(ups, options.up, &Up::name);
-    if (up == ups.end())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("up: {} is no axis; give x, y, z, -x, -y or -z", clsdf::quoted(options.up)));
+    if (up == ups.end()) refuse("up: {} is no axis; give x, y, z, -x, -y or -z", clsdf::quoted(options.up));
     Rotation rotation = then_about(up->axis, up->degrees, identity);
     for (std::size_t axis = 0; axis < 3; ++axis) rotation = then_about(axis, options.rotate[axis], rotation);
     return rotation;
@@ -69,16 +68,11 @@ Rotation rotation_of(const ReadOptions& options) {
 
 void check_placement(const ReadOptions& options) {
     if (!(options.scale > 0) || !std::isfinite(options.scale))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("scale: {} is no factor for lengths; give a finite number above 0", options.scale));
+        refuse("scale: {} is no factor for lengths; give a finite number above 0", options.scale);
     for (const double angle : options.rotate)
-        if (!std::isfinite(angle))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("rotate: {} is no angle; give three finite numbers, in degrees", angle));
+        if (!std::isfinite(angle)) refuse("rotate: {} is no angle; give three finite numbers, in degrees", angle);
     for (const double step : options.translate)
-        if (!std::isfinite(step))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("translate: {} is no length; give three finite numbers", step));
+        if (!std::isfinite(step)) refuse("translate: {} is no length; give three finite numbers", step);
     static_cast<void>(rotation_of(options));
 }
 
@@ -99,9 +93,8 @@ Mesh placed(Mesh mesh, const ReadOptions& options) {
     try {
         mesh.set_positions(std::move(positions));
     } catch (const Error& error) {
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}, after the scale {} and the translation ({}); choose smaller ones", error.what(),
-                                options.scale, fmt::join(options.translate, ", ")));
+        refuse("{}, after the scale {} and the translation ({}); choose smaller ones", error.what(), options.scale,
+               fmt::join(options.translate, ", "));
     }
     return mesh;
 }

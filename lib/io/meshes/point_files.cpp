@@ -1,5 +1,6 @@
 #include "core/files.hpp"
 #include "core/outputs.hpp"
+#include "core/refuse.hpp"
 #include "io/meshes/mesh_files.hpp"
 #include "io/meshes/npy_header.hpp"
 #include "io/meshes/point_arrays.hpp"
@@ -32,8 +33,7 @@ PointFormat format_of_points(const std::string& path) {
     if (ending == ".npy") return PointFormat::npy;
     if (ending == ".csv") return PointFormat::csv;
     if (ending == ".ply") return PointFormat::ply;
-    throw Error(ErrorCode::unsupported,
-                fmt::format("'{}' does not end like a file of points; the endings are .npy, .csv and .ply", path));
+    refuse_unsupported("'{}' does not end like a file of points; the endings are .npy, .csv and .ply", path);
 }
 
 FileContent text_of_points(const std::string& path) {
@@ -180,10 +180,8 @@ struct Columns {
         for (const OutputInfo& info : infos) {
             values.push_back(results.bytes(info.output));
             if (values.back().size() != points * info.sample_bytes())
-                throw Error(
-                    ErrorCode::invalid_argument,
-                    fmt::format("there are {} points, and the array of the output {} holds {} values of {}", points,
-                                info.name, values.back().size() / bytes_of(info.type), points * info.components));
+                refuse("there are {} points, and the array of the output {} holds {} values of {}", points, info.name,
+                       values.back().size() / bytes_of(info.type), points * info.components);
         }
         if (groups != nullptr) add_groups(points, results.triangle(), *groups);
         add_own(points, winding, {.name = "winding", .description = "winding number"});
@@ -194,19 +192,18 @@ struct Columns {
     void add_own(std::size_t points, std::span<const Value> own, const OutputInfo& info) {
         if (own.empty()) return;
         if (own.size() != points)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("there are {} points, and the array of the column {} holds {} values; give as many",
-                                    points, info.name, own.size()));
+            refuse("there are {} points, and the array of the column {} holds {} values; give as many", points,
+                   info.name, own.size());
         infos.push_back(info);
         values.push_back(std::as_bytes(own));
     }
 
     void add_groups(std::size_t points, std::span<const std::uint32_t> triangles, const FaceGroups& groups) {
         if (triangles.size() != points)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the groups of {} points follow from the output triangle, which has {} values; ask "
-                                    "for it, too",
-                                    points, triangles.size()));
+            refuse(
+                "the groups of {} points follow from the output triangle, which has {} values; ask "
+                "for it, too",
+                points, triangles.size());
         for (const std::uint32_t triangle : triangles) group_numbers.push_back(groups.of(triangle));
         infos.push_back({.name = "group", .description = "group of the nearest triangle", .type = ElementType::uint32});
         values.push_back(std::as_bytes(std::span(group_numbers)));
@@ -337,15 +334,13 @@ bool is_npy_of_results(const std::string& path) {
     const std::string ending = ending_of(path);
     if (ending == ".npy") return true;
     if (ending == ".csv") return false;
-    throw Error(ErrorCode::unsupported,
-                fmt::format("'{}' does not end like a file of results at points; the endings are .npy and .csv", path));
+    refuse_unsupported("'{}' does not end like a file of results at points; the endings are .npy and .csv", path);
 }
 
 void check_rays_ending(const std::string& path) {
     const std::string ending = ending_of(path);
     if (ending != ".npy" && ending != ".csv")
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("'{}' does not end like a file of rays; the endings are .npy and .csv", path));
+        refuse_unsupported("'{}' does not end like a file of rays; the endings are .npy and .csv", path);
 }
 
 void write_npy_rays(std::size_t rays, const RayHits& hits, const FaceGroups* groups, AtomicFile& file) {
@@ -477,11 +472,10 @@ void write_rays(const RayRows& rays, const RayHits& hits, const std::string& pat
     const std::size_t count = rays.origins.size();
     if (rays.directions.size() != count || hits.most == 0 || hits.t.size() != count * hits.most ||
         hits.triangles.size() != count * hits.most || (!hits.counts.empty() && hits.counts.size() != count))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("there are {} origins, {} directions, {} values of t, {} triangles and {} counts; give "
-                                "as many, and {} of t and triangles for each ray",
-                                count, rays.directions.size(), hits.t.size(), hits.triangles.size(), hits.counts.size(),
-                                hits.most));
+        refuse(
+            "there are {} origins, {} directions, {} values of t, {} triangles and {} counts; give "
+            "as many, and {} of t and triangles for each ray",
+            count, rays.directions.size(), hits.t.size(), hits.triangles.size(), hits.counts.size(), hits.most);
     AtomicFile file(path);
     if (format_of_points(path) == PointFormat::npy)
         write_npy_rays(count, hits, groups, file);

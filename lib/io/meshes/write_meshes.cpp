@@ -1,7 +1,7 @@
 #include "core/files.hpp"
+#include "core/refuse.hpp"
 #include "io/meshes/mesh_files.hpp"
 
-#include <clsdf/error.hpp>
 #include <clsdf/mesh_files.hpp>
 
 #include <fmt/format.h>
@@ -57,10 +57,10 @@ void write_obj(const Mesh& mesh, AtomicFile& file) {
 float to_float(double coordinate, std::uint32_t vertex) {
     const auto rounded = static_cast<float>(coordinate);
     if (!std::isfinite(rounded))
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("STL holds 32-bit numbers, which end before the coordinate {} of vertex {}; choose "
-                                "another format",
-                                coordinate, vertex));
+        refuse_unsupported(
+            "STL holds 32-bit numbers, which end before the coordinate {} of vertex {}; choose "
+            "another format",
+            coordinate, vertex);
     return rounded;
 }
 
@@ -147,8 +147,7 @@ void write(const Mesh& mesh, const std::string& path, std::span<const FaceColour
 
 void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours) {
     if (!colours.empty() && colours.size() != mesh.triangles().size())
-        throw Error(ErrorCode::invalid_argument, fmt::format("{} colours for {} triangles; give one for each, or none",
-                                                             colours.size(), mesh.triangles().size()));
+        refuse("{} colours for {} triangles; give one for each, or none", colours.size(), mesh.triangles().size());
     write(mesh, path, colours, {});
 }
 

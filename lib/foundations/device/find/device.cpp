@@ -3,6 +3,7 @@
 
 #include "core/floating_point.hpp"
 #include "core/lifetime.hpp"
+#include "core/refuse.hpp"
 #include "device/context.hpp"
 #include "device/find/bundled_driver.hpp"
 #include "device/find/found_devices.hpp"
@@ -53,14 +54,12 @@ std::shared_ptr<device::Context> device::shared_context_of(const Device& device)
 
 Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queue queue) {
     if (context == nullptr || id == nullptr || queue == nullptr)
-        throw Error(ErrorCode::invalid_argument,
-                    "a device of OpenCL's handles needs a context, a device and a queue; one of them is null");
+        refuse("a device of OpenCL's handles needs a context, a device and a queue; one of them is null");
     const DefaultFloatingPoint as_usual;
     return device::guarded([&] {
         const cl::CommandQueue callers(queue, true);
         if (callers.getInfo<CL_QUEUE_CONTEXT>()() != context || callers.getInfo<CL_QUEUE_DEVICE>()() != id)
-            throw Error(
-                ErrorCode::invalid_argument,
+            refuse(
                 "the queue belongs to another context or device than those given; give a queue that was made for both");
         return Device(
             std::make_shared<detail::DeviceContext>(cl::Context(context, true), cl::Device(id, true), callers));
@@ -73,8 +72,8 @@ namespace {
 cl::Device part_of(const cl::Device& whole, unsigned compute_units) {
     const auto all = whole.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
     if (compute_units == 0 || compute_units > all)
-        throw Error(ErrorCode::invalid_argument, fmt::format("{} compute units were asked for, and \"{}\" has 1 to {}",
-                                                             compute_units, whole.getInfo<CL_DEVICE_NAME>(), all));
+        refuse("{} compute units were asked for, and \"{}\" has 1 to {}", compute_units,
+               whole.getInfo<CL_DEVICE_NAME>(), all);
     if (compute_units == all) return whole;
     const std::array<cl_device_partition_property, 4> properties{
         CL_DEVICE_PARTITION_BY_COUNTS, static_cast<cl_device_partition_property>(compute_units),
@@ -83,10 +82,10 @@ cl::Device part_of(const cl::Device& whole, unsigned compute_units) {
     try {
         cl::Device(whole).createSubDevices(properties.data(), &parts);
     } catch (const cl::Error& error) {
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("the device \"{}\" cannot be divided ({}); use all of its {} compute units, or limit "
-                                "them by the driver's own means (PoCL: POCL_CPU_MAX_CU_COUNT in the environment)",
-                                whole.getInfo<CL_DEVICE_NAME>(), device::code_name(error.err()), all));
+        refuse_unsupported(
+            "the device \"{}\" cannot be divided ({}); use all of its {} compute units, or limit "
+            "them by the driver's own means (PoCL: POCL_CPU_MAX_CU_COUNT in the environment)",
+            whole.getInfo<CL_DEVICE_NAME>(), device::code_name(error.err()), all);
     }
     // Never given back. PoCL ends a part with its last reference, also while one of its own threads still has a command
     // of the part, or has just ended one.
@@ -98,8 +97,7 @@ cl::Device part_of(const cl::Device& whole, unsigned compute_units) {
 
 Device Device::limited(const DeviceLimits& limits) const {
     const cl_device_id whole = id();
-    if (limits.memory == std::size_t{0})
-        throw Error(ErrorCode::invalid_argument, "a limit of 0 bytes of device memory leaves none; leave it out");
+    if (limits.memory == std::size_t{0}) refuse("a limit of 0 bytes of device memory leaves none; leave it out");
     const DefaultFloatingPoint as_usual;
     return device::guarded([&] {
         const cl::Device part =
@@ -329,9 +327,7 @@ Device Device::automatic() {
 }
 
 Device Device::of_rank(std::size_t rank, std::size_t ranks) {
-    if (rank >= ranks)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("rank is {} of {} ranks; ranks count from 0 to one less than there are", rank, ranks));
+    if (rank >= ranks) refuse("rank is {} of {} ranks; ranks count from 0 to one less than there are", rank, ranks);
     if (users_choice().empty()) {
         std::vector<DeviceInfo> gpus = all();
         std::erase_if(gpus,
