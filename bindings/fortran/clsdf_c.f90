@@ -1,7 +1,6 @@
-!> The C interface in Fortran, for the modules clsdf and clsdf_io alone: numbers, structs and functions of clsdf.h and
-!> clsdf_io.h.
-!>
-!> Written by bindings/interface.py: change the headers, not this file.
+! Numbers, structs and functions of clsdf.h and clsdf_io.h, for the modules clsdf and clsdf_io, not for programs.
+!
+! Written by bindings/interface.py: change the headers, not this file.
 module clsdf_c
   use, intrinsic :: iso_c_binding
   implicit none
