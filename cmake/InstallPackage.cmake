@@ -183,8 +183,13 @@ elseif(CLSDF_BUILD_C)
 endif()
 set(PC_VARIABLES "")
 if(CLSDF_BUILD_C)
+  # One file for a program that compiles the module itself.
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS bindings/fortran/clsdf_c.f90 bindings/fortran/clsdf.f90)
+  file(READ bindings/fortran/clsdf_c.f90 interface_of_c)
+  file(READ bindings/fortran/clsdf.f90 module)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/fortran_source/clsdf.f90 CONTENT "${interface_of_c}\n${module}" @ONLY)
   install(
-    FILES bindings/fortran/clsdf.f90 bindings/fortran/clsdf_io.f90
+    FILES ${PROJECT_BINARY_DIR}/fortran_source/clsdf.f90 bindings/fortran/clsdf_io.f90
     DESTINATION ${CMAKE_INSTALL_DATADIR}/clsdf/fortran
     COMPONENT development)
 endif()

@@ -2,6 +2,7 @@
 !> the module clsdf alone. The rules of clsdf.f90 hold.
 module clsdf_io
   use, intrinsic :: iso_c_binding
+  use clsdf_c
   use clsdf
   implicit none
   private
@@ -36,111 +37,6 @@ module clsdf_io
     generic :: assignment(=) => sparse_writer_assign
     final :: sparse_writer_end
   end type
-
-  interface
-    function c_field_read(path, field) bind(C, name="clsdf_field_read") result(value)
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(c_ptr), intent(out) :: field
-      integer(c_int32_t) :: value
-    end function
-    function c_field_set_index_base(field, index_base) bind(C, name="clsdf_field_set_index_base") result(value)
-      import
-      type(c_ptr), value :: field
-      integer(c_int32_t), value :: index_base
-      integer(c_int32_t) :: value
-    end function
-    function c_field_missing_files(path, text, size, length) bind(C, name="clsdf_field_missing_files") result(value)
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(c_ptr), value :: text
-      integer(c_int64_t), value :: size
-      integer(c_int64_t), intent(out) :: length
-      integer(c_int32_t) :: value
-    end function
-    function c_field_write(field, path) bind(C, name="clsdf_field_write") result(value)
-      import
-      type(c_ptr), value :: field
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int32_t) :: value
-    end function
-    function c_field_check_path(path, outputs) bind(C, name="clsdf_field_check_path") result(value)
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int32_t), value :: outputs
-      integer(c_int32_t) :: value
-    end function
-    subroutine c_field_writer_retain(writer) bind(C, name="clsdf_field_writer_retain")
-      import
-      type(c_ptr), value :: writer
-    end subroutine
-    subroutine c_field_writer_release(writer) bind(C, name="clsdf_field_writer_release")
-      import
-      type(c_ptr), value :: writer
-    end subroutine
-    function c_field_writer_create(path, description, outputs, writer) bind(C, name="clsdf_field_writer_create") &
-        result(value)
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(clsdf_c_description), intent(in) :: description
-      integer(c_int32_t), value :: outputs
-      type(c_ptr), intent(out) :: writer
-      integer(c_int32_t) :: value
-    end function
-    function c_field_writer_append(writer, values, count, slices) bind(C, name="clsdf_field_writer_append") result(value)
-      import
-      type(c_ptr), value :: writer, values
-      integer(c_int64_t), value :: count, slices
-      integer(c_int32_t) :: value
-    end function
-    function c_field_writer_finish(writer) bind(C, name="clsdf_field_writer_finish") result(value)
-      import
-      type(c_ptr), value :: writer
-      integer(c_int32_t) :: value
-    end function
-    function c_sparse_field_read(path, field) bind(C, name="clsdf_sparse_field_read") result(value)
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(c_ptr), intent(out) :: field
-      integer(c_int32_t) :: value
-    end function
-    function c_sparse_field_write(field, path) bind(C, name="clsdf_sparse_field_write") result(value)
-      import
-      type(c_ptr), value :: field
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int32_t) :: value
-    end function
-    subroutine c_sparse_writer_retain(writer) bind(C, name="clsdf_sparse_writer_retain")
-      import
-      type(c_ptr), value :: writer
-    end subroutine
-    subroutine c_sparse_writer_release(writer) bind(C, name="clsdf_sparse_writer_release")
-      import
-      type(c_ptr), value :: writer
-    end subroutine
-    function c_sparse_writer_create(path, description, outputs, writer) bind(C, name="clsdf_sparse_writer_create") &
-        result(value)
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(clsdf_c_description), intent(in) :: description
-      integer(c_int32_t), value :: outputs
-      type(c_ptr), intent(out) :: writer
-      integer(c_int32_t) :: value
-    end function
-    function c_sparse_writer_append(writer, slab) bind(C, name="clsdf_sparse_writer_append") result(value)
-      import
-      type(c_ptr), value :: writer
-      type(clsdf_c_sparse_slab), intent(in) :: slab
-      integer(c_int32_t) :: value
-    end function
-    function c_sparse_writer_finish(writer) bind(C, name="clsdf_sparse_writer_finish") result(value)
-      import
-      type(c_ptr), value :: writer
-      integer(c_int32_t) :: value
-    end function
-    subroutine c_io_abandon_unfinished_files() bind(C, name="clsdf_io_abandon_unfinished_files")
-    end subroutine
-  end interface
 
 contains
 
@@ -278,11 +174,11 @@ contains
     integer(c_int64_t), intent(in) :: slices
     integer(c_int32_t), intent(in) :: index_base
     integer(c_int32_t), intent(inout) :: status
-    type(clsdf_c_target), target :: from_0(size(values))
+    type(clsdf_c_target) :: from_0(size(values))
     integer(c_int32_t), allocatable, target :: triangles(:), bodies(:)
     from_0 = values
     call count_from_0(from_0, index_base, triangles, bodies)
-    status = c_field_writer_append(self%handle, c_loc(from_0), size(values, kind=c_int64_t), slices)
+    status = c_field_writer_append(self%handle, from_0, size(values, kind=c_int64_t), slices)
   end subroutine
 
   !> triangles, bodies: the copies, if they are made.

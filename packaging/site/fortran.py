@@ -33,9 +33,12 @@ class Module:
         self.lines = joined(path.read_text().split("\n"))
         at = next(i for i, line in enumerate(self.lines) if re.match(r"module \w+$", line))
         head = "\n".join(line[3:] for line in self.lines[:at])
+        # Numbers and structs of C, some of which are public, are in another file.
+        self.lines[at:at] = joined((path.parent / "clsdf_c.f90").read_text().split("\n"))
         self.head = re.sub(r"^([A-Z]{5,})([. ])", lambda m: f"**{m.group(1).capitalize()}**{m.group(2)}", cpp.escaped(head), flags=re.M)
-        self.public = set(re.findall(r"\w+", " ".join(re.findall(r"^  public :: (.*)", "\n".join(self.lines), re.M))))
         text = "\n".join(self.lines)
+        self.public = set(re.findall(r"\w+", " ".join(re.findall(r"^  public :: ([^!\n]*)", text, re.M))))
+        self.beside = dict(re.findall(r"^  public :: (\w+) *!< (.*)", text, re.M))
         hidden = text.partition("! For the module clsdf_io, not for programs.\n")[2].partition("\n")[0] if "not for programs" in text else ""
         self.public -= set(re.findall(r"\w+", hidden.partition("::")[2]))
         self.body = self.lines.index("contains")
@@ -113,10 +116,10 @@ class Module:
                 parts.append(self.section_of_procedure(name, name, 3))
         numbers = []
         for i, line in enumerate(self.lines[:self.body]):
-            match = re.match(r"  integer\(c_int\d+_t\), parameter, public :: (.*)", line)
-            if match:
-                text, _, beside = match.group(1).partition("!<")
-                numbers.append((" ".join(text.split()), comment_above(self.lines, i) or cpp.escaped(beside.strip())))
+            match = re.match(r"  integer\(c_int\d+_t\), parameter(, public)? :: ((\w+) = \S+) *(?:!< (.*))?", line)
+            if match and (match.group(1) or match.group(3) in self.public):
+                words = " ".join(filter(None, [comment_above(self.lines, i), cpp.escaped(match.group(4) or "")]))
+                numbers.append((match.group(2), cpp.escaped(self.beside.get(match.group(3), "")) or words))
         if numbers:
             parts += ["## Numbers", cpp.table(numbers)]
         return "\n\n".join(filter(None, parts)) + "\n"
