@@ -7,7 +7,7 @@ import operator
 import os
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +15,7 @@ import numpy.typing as npt
 from . import _core, _cuda
 from ._core import Device
 from ._error import Error
-
-if TYPE_CHECKING:
-    from .typing import ArrayLike, MeshLike
+from .typing import ArrayLike, MeshLike
 
 
 class Groups(NamedTuple):

@@ -4,17 +4,26 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from ._core import Band, Grid
 from ._error import Error
+from ._lengths import BandLike
 from ._progress import Progress, shown
 from ._values import whole
 
 if TYPE_CHECKING:
-    from ._lengths import BandLike
-    from ._transform import Request, Transform
+    from ._transform import Transform
+
+
+class Request(NamedTuple):
+    """One box of many: a grid, the band as of field(), and a dictionary of arrays by the names of outputs, which are
+    written to."""
+
+    grid: Grid
+    band: BandLike
+    out: dict[str, Any]
 
 
 class Plan:

@@ -26,19 +26,10 @@ from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, wanted, whole
 from ._field import Field
 from ._links import Crossings, DirectionsLike, Links, directions_of, grid_of, is_in_floats, is_of_faces
-from ._plan import LinkPlan, Plan, PointPlan, SparsePlan, room_of
+from ._plan import LinkPlan, Plan, PointPlan, Request, SparsePlan, room_of
 from ._sparse import SparseField
 from ._with_fields import WithFields
 from .typing import ArrayLike, DeviceLike, FrameLike, MeshLike, OutLike, RotationLike
-
-
-class Request(NamedTuple):
-    """One box of many: a grid, the band as of field(), and a dictionary of arrays by the names of outputs, which are
-    written to."""
-
-    grid: Grid
-    band: BandLike
-    out: dict[str, Any]
 
 
 class Region(NamedTuple):
