@@ -150,11 +150,11 @@ def _three(name: str, values: Any) -> tuple[float, float, float]:
 
 def _refuse_options(body: Any) -> None:
     """A transform is taken as its mesh, without what it was told about the sign."""
-    first, _, sign, _, floor, surface = body._made_of
-    if first is None:  # a part, or of shared memory: its vertices say so
+    made_of = body._made_of
+    if made_of.vertices is None:  # a part, or of shared memory: its vertices say so
         return
-    told = [f"{name}={value!r}" for name, value, usual in
-            (("sign", sign, "auto"), ("floor", floor, None), ("surface", surface, "given")) if value != usual]
+    told = [f"{name}={value!r}" for name, usual in (("sign", "auto"), ("floor", None), ("surface", "given"))
+            if (value := getattr(made_of, name)) != usual]
     if told:
         raise Error(f"a clsdf.Transform is taken as its mesh alone, and this one has {', '.join(told)}; pass "
                     "(body.vertices, body.faces), and the options again where they are taken")
