@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 import math
-import operator
 import os
 import threading
 from collections.abc import Iterable, Iterator, Sequence
@@ -247,10 +246,6 @@ class Transform(WithFields):
         return self._body.sign
 
     @property
-    def device(self) -> Device:
-        return self._body.device
-
-    @property
     def memory(self) -> tuple[int, int]:
         """Bytes that are kept between calls: of the host, and of the device."""
         return self._body.memory
@@ -382,7 +377,7 @@ class Transform(WithFields):
         if isinstance(band, (tuple, list)):
             return tuple(self._in_units(width) for width in band)  # type: ignore[return-value]
         if isinstance(band, str) and band.endswith("%"):
-            return parse_length("band", band).resolve(1.0, float((self.box[1] - self.box[0]).max()))
+            return parse_length("band", band).resolve(1.0, self._longest_side())
         return band
 
     def fields(
@@ -472,9 +467,7 @@ class Transform(WithFields):
         """A field of any size as an iterator of its slabs: Fields of whole slices, in the order of z, at most about 16
         million samples at a time. Options: as of field(). Each slab is computed when it is asked for; the bytes are
         those of the whole."""
-        all_of_it, own_band = self._grid_and_band(
-            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
-        )
+        all_of_it, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs)
         outputs = wanted(outputs)
         self._warn_of_narrow(all_of_it, own_band)
         return (
@@ -504,9 +497,7 @@ class Transform(WithFields):
         Options: as of field(), with a band of three voxels. It must have an end; a field of signs alone is dense. A
         restricted transform needs regions that hold whole bricks: the box of grid.in_whole_bricks().
         """
-        grid, own_band = self._grid_and_band(
-            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
-        )
+        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs)
         names = wanted(outputs)
         if positive_inside:
             self._check_negatable({}, own_band)
@@ -560,9 +551,7 @@ class Transform(WithFields):
         """Computes a sparse field of any size into a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb: a few layers of
         bricks are in memory at a time (a .vdb keeps the bricks). The file is that of sparse().write(path). Options: as
         of sparse(). Raises clsdf.Error as both do; no file stays then."""
-        grid, own_band = self._grid_and_band(
-            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
-        )
+        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs)
         self._warn_of_narrow(grid, own_band)
         with self._turn(progress, "sparse", wanted(outputs)) as show:
             _core.compute_sparse_file(
@@ -649,8 +638,7 @@ class Transform(WithFields):
         if any(hasattr(array, "base_data") or _cuda.is_in_cuda(array) for array in given_arrays):
             raise Error("within: an array needs points and out= of the host; copy them, or give one number", "unsupported")
         points, arrays = on_host(points), {name: on_host(array) for name, array in arrays.items()}
-        lower, upper = self._body.box
-        for rows in by_limit(points, limits, max(map(operator.sub, upper, lower))):
+        for rows in by_limit(points, limits, self._longest_side()):
             own, some = limits[rows], np.ascontiguousarray(points[rows])
             found = {
                 name: np.empty((len(own), *array.shape[1:]), np.float64 if name == "distance" else array.dtype)
@@ -772,8 +760,6 @@ class Transform(WithFields):
         """Where the edges of a grid between neighbouring samples meet walls, along x, y and z. counts: the number of
         walls on each edge, too."""
         grid = grid_of(grid)
-        if progress is None:
-            return Crossings(grid, _core.crossings(self._body, grid, counts, None))
         with shown(progress) as show:
             return Crossings(grid, _core.crossings(self._body, grid, counts, show))
 
