@@ -203,17 +203,7 @@ def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | Non
         _images.write(field, field.image, os.fsdecode(path))
         return
     writer = FieldWriter.__new__(FieldWriter)
-    writer._open(
-        path,
-        field.grid,
-        field.band,
-        field.sign,
-        field.mesh_name,
-        field.outputs,
-        field.positive_inside,
-        groups,
-        field.floor,
-    )
+    writer._open(path, field, field.outputs, groups)
     with writer:
         writer.append(field)
 
@@ -264,20 +254,12 @@ class FieldWriter:
             raise Error(f"grid: {_short(grid)} is no clsdf.Grid")
         if not isinstance(band, Band):
             band = band_without_mesh(band, grid)
-        self._open(path, grid, band, sign, mesh_name, wanted(outputs), positive_inside, groups, floor)
+        self._open(path, Samples(grid, band, sign, mesh_name, {}, positive_inside, floor), wanted(outputs), groups)
 
     def _open(
-        self,
-        path: str | os.PathLike[str],
-        grid: Grid,
-        band: Band,
-        sign: str,
-        mesh_name: str,
-        outputs: tuple[str, ...],
-        positive_inside: bool,
-        groups: Groups | None = None,
-        floor: float | None = None,
+        self, path: str | os.PathLike[str], field: Samples, outputs: tuple[str, ...], groups: Groups | None
     ) -> None:
+        """field: all but its arrays."""
         if groups is not None and not isinstance(groups, Groups):
             raise Error(f"groups: {repr(groups)[:100]} is no clsdf.Groups; read_mesh(path).groups is one")
         names: list[str] = [] if groups is None else groups.names
@@ -285,12 +267,13 @@ class FieldWriter:
         name = os.fsdecode(path)
         self._path = name
         self._writer: _core.Writer | None = _core.writer(
-            name, grid, band, sign, mesh_name, outputs, positive_inside, names, numbers, floor
+            name, field.grid, field.band, field.sign, field.mesh_name, outputs, field.positive_inside, names, numbers, field.floor
         )
-        if name.lower().endswith(".sdf") and (positive_inside or not math.isinf(max(band.inside, band.outside))):
+        has_end = not math.isinf(max(field.band.inside, field.band.outside))
+        if name.lower().endswith(".sdf") and (field.positive_inside or has_end):
             warnings.warn(
                 f"{name} does not state that it is positive inside: tell it to those who read it, or use another format"
-                if positive_inside
+                if field.positive_inside
                 else f"{name} does not state its band: programs that read it take the band's limit for the distance of "
                 "samples beyond it; use band='full', or another format",
                 MeshWarning,

@@ -93,17 +93,9 @@ class SparseField(Samples):
         arrays = {name: _packed(array, type_of(name)[0]) for name, array in self.arrays.items()}
         bricks, inside = _packed(self.bricks, np.int64), _packed(self.inside, np.int64)
         _core.write_sparse(
-            os.fsdecode(path),
-            self.grid,
-            self.band,
-            self.sign,
-            self.mesh_name,
-            self.positive_inside,
-            bricks,
-            inside,
-            arrays,
-            self.floor,
-        )
+            os.fsdecode(path), self.grid, self.band, self.sign, self.mesh_name, self.positive_inside,
+            bricks, inside, arrays, self.floor,
+        )  # fmt: skip
 
 
 def made(
