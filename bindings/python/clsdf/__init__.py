@@ -20,16 +20,15 @@ from ._core import Band, Defects, Device, DeviceInfo, Grid, Topology, devices, m
 from . import _signatures
 from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemory, OutputFailure, UnreadableInput, Unsupported
 from ._values import Blocks, Points
-from ._field import Field
-from ._files import FieldWriter, read_field, write_field, write_overlapping_amr
+from ._field import Field, FieldWriter, read_field, slice_picture, write_field, write_overlapping_amr
 from ._fractions import Fractions, fractions
 from ._links import Crossings, EdgeCrossings, Links, stencil
-from ._pictures import Picture, slice_picture
-from ._plan import LinkPlan, Plan, PointPlan, PointStatus, SparsePlan
+from ._pictures import Picture
+from ._plan import LinkPlan, Plan, PointPlan, PointStatus, Request, SparsePlan
 from ._scene import Scene, ScenePoints, SceneSurface
 from ._shared import SharedArray
 from ._sparse import SparseField, read_sparse_field
-from ._transform import BoxPlace, Rays, Region, Request, Transform
+from ._transform import BoxPlace, Rays, Region, Transform
 
 #: Another name of Transform, for those to whom a transform is a pose.
 Body = Transform

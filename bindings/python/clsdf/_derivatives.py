@@ -30,7 +30,7 @@ def check(body: Any, points: Any, vertices: Any, floats: Any) -> None:
         raise Error(f"body: {repr(body)[:100]} is no clsdf.Transform")
     if tuple(points.shape)[-1:] != (3,):
         raise Error(f"points has the shape {tuple(points.shape)}; expected (..., 3)")
-    if vertices is not None and body._made_of[5] != "given":
+    if vertices is not None and body._made_of.surface != "given":
         raise Error("vertices: where faces cut each other no one face has the derivative; make the body with surface='given'")
     if vertices is not None and tuple(vertices.shape) != (own := body.vertices.shape):
         raise Error(f"vertices has the shape {tuple(vertices.shape)}; the body's have {own}")

@@ -1,25 +1,33 @@
-"""A field: samples of the signed distance, and of all else that was asked for, on a grid."""
+"""A field: samples of the signed distance, and of all else that was asked for, on a grid; its files (docs/formats.md) and
+its pictures."""
 
 from __future__ import annotations
 
+import math
 import os
+import warnings
+from collections.abc import Iterable
+from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _interpolation
+from . import _core, _images, _interpolation, _pictures
 from ._core import Band, Grid
+from ._error import Error, MeshWarning
 from ._images import Image
+from ._lengths import BandLike, band_without_mesh
 from ._meshes import Groups, Mesh
-from ._values import Values
+from ._pictures import Picture
+from ._values import Outputs, Samples, type_of, wanted
 from .typing import ArrayLike
 
 if TYPE_CHECKING:
     from ._transform import Transform
 
 
-class Field(Values):
+class Field(Samples):
     """Samples on a grid, negative inside. Arrays have the shape (nz, ny, nx), z first: f.distance[k, j, i] lies at
     f.grid.position(i, j, k). Vectors have one axis more, (nz, ny, nx, 3), and are in the order x, y, z.
 
@@ -42,13 +50,7 @@ class Field(Values):
         floor: float | None = None,
         image: Image | None = None,
     ) -> None:
-        super().__init__(arrays)
-        self.grid = grid
-        self.band = band
-        self.sign = sign
-        self.mesh_name = mesh_name
-        self.positive_inside = positive_inside
-        self.floor = floor
+        super().__init__(grid, band, sign, mesh_name, arrays, positive_inside, floor)
         self.image = image
 
     def __repr__(self) -> str:
@@ -71,8 +73,6 @@ class Field(Values):
     def write(self, path: str | os.PathLike[str], groups: Groups | None = None) -> None:
         """Writes a .nrrd, .npy, .vti, .h5, .nvdb or .sdf, and of an image .nrrd, .nii or .nii.gz (by nibabel):
         clsdf.write_field(field, path, groups)."""
-        from ._files import write_field
-
         write_field(self, path, groups)
 
     @overload
@@ -90,7 +90,7 @@ class Field(Values):
         dz^2). Where the nearest surface is smooth, with curvatures of at most k at the offset of the point, it is at most
         k / 8 * (dx^2 + dy^2 + dz^2). body.query(points) has no error. Beyond the band the half width is interpolated.
         """
-        values, gradients = _interpolation.interpolated(self, points, gradient)
+        values, gradients = _interpolation.interpolated(self, self.image, points, gradient)
         return (values, gradients) if gradient else values
 
     def surface(self, level: float = 0.0, body: Transform | None = None) -> Mesh:
@@ -103,12 +103,14 @@ class Field(Values):
         is open where it leaves the grid. Raises clsdf.Error (invalid_argument) if the level is not within the band, or
         between no two samples.
         """
-        return _interpolation.surface_of(self, _interpolation.check_level(level), body)
+        level = _interpolation.check_level(level)
+        vertices, faces = _interpolation.surface_of(self, self.image, level)
+        if body is not None:
+            vertices = _moved_onto(body, -level if self.positive_inside else level, vertices)
+        return Mesh(vertices, faces, name=self.mesh_name)
 
     def _repr_png_(self) -> bytes | None:
         """A notebook shows the slice in the middle."""
-        from ._pictures import slice_picture
-
         return slice_picture(self).png() if isinstance(self.arrays["distance"], np.ndarray) else None
 
     def axes(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], np.ndarray[Any, Any]]:
@@ -155,3 +157,164 @@ class Field(Values):
         if self.floor is not None:
             attributes["floor"] = self.floor
         return xarray.Dataset(data, coords={"z": z, "y": y, "x": x}, attrs=attributes)
+
+
+def _moved_onto(body: Transform, level: float, vertices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Vertices where the distance to the body is `level`, along their gradients."""
+    found = body.query(vertices, "closest gradient", dtype="float64")
+    if level == 0:
+        return np.asarray(found.closest, np.float64)
+    if body.sign == "none" and level < 0:
+        raise Error("level: a body without a sign has no negative distances")
+    return vertices + (level - found.distance.astype(np.float64))[:, None] * found.gradient
+
+
+def slice_picture(
+    field: Field, axis: str = "z", index: int | None = None, pixels: int = 512, axes: bool | None = None
+) -> Picture:
+    """A slice of a field: blue inside, orange outside, paler near the surface, the surface black.
+
+    axis: 'x', 'y' or 'z', to which the slice is perpendicular. index: of the slice; None: the middle. pixels: on the
+    longer side, at most. axes: with coordinates, a colour bar and a title, by matplotlib; None: if it is installed.
+    Without them a sample is a square of whole pixels. The first of the other two axes points to the right, the second
+    one up. Raises clsdf.Error: invalid_argument for another axis or no such slice.
+    """
+    if not isinstance(field, Field):
+        raise Error(f"field: {repr(field)[:100]} is no clsdf.Field; body.field() and read_field() make them")
+    return _pictures.of_slice(field, field.axes(), axis, index, pixels, axes)
+
+
+def read_field(path: str | os.PathLike[str]) -> Field:
+    """Reads a field by the file's ending, also one of another program. A band that the file does not state has no end;
+    a sign rule that it does not state is 'auto'. Raises clsdf.Error: unreadable_input names the file and the value;
+    unsupported for an unknown ending."""
+    return Field(*_core.read_field(os.fsdecode(path)))
+
+
+def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | None = None) -> None:
+    """Writes a field by the file's ending; complete or not at all. A field of an image is written as .nrrd, .nii or
+    .nii.gz (by nibabel), with the image's origin and direction, and the distance alone. groups: of the mesh; a .vti or
+    .vtkhdf gets the group of each sample beside its triangle. A MeshWarning says what .sdf does not record: the
+    band, and that the inside is positive. Raises clsdf.Error: output_failure; unsupported for an unknown ending, or
+    outputs that the format cannot store."""
+    if not isinstance(field, Field):
+        raise Error(f"field: {_short(field)} is no clsdf.Field; body.field() and read_field() make them")
+    if field.image is not None:
+        _images.write(field, field.image, os.fsdecode(path))
+        return
+    writer = FieldWriter.__new__(FieldWriter)
+    writer._open(path, field, field.outputs, groups)
+    with writer:
+        writer.append(field)
+
+
+def write_overlapping_amr(fields: Iterable[Field], path: str | os.PathLike[str]) -> None:
+    """Writes fields on boxes of refined levels as VTK's OverlappingAMR (.vtkhdf): their samples are centres of cells,
+    and ParaView and VTK show coarse cells where no finer box covers them (VTK 9.7 does, 9.1 cannot read it). Fields of
+    one spacing are a level, in any order, and do not overlap. Complete or not at all.
+
+        clsdf.write_overlapping_amr([body.field(coarse, band=band), *body.fields(boxes, band=band)], "levels.vtkhdf")
+
+    Raises clsdf.Error: invalid_argument names the box whose spacing or place does not fit the coarser level, or that
+    has other outputs or another sign convention than the first; unsupported for another ending or the field of an image; output_failure."""
+    fields = list(fields)
+    for i, one in enumerate(fields):
+        if one.image is not None:
+            raise Error(f"box {i} is the field of an image, whose place and direction this format does not have", "unsupported")
+        if one.positive_inside != fields[0].positive_inside:
+            raise Error(f"box {i} is {'positive' if one.positive_inside else 'negative'} inside, and box 0 is not: the file "
+                        "has one convention, which it does not state")
+    boxes = [(f.grid, {name: _packed(name, f.arrays[name]) for name in f.outputs}) for f in fields]
+    _core.write_overlapping_amr(os.fsdecode(path), boxes)
+
+
+class FieldWriter:
+    """Writes a field slab by slab, so that it need never be whole in memory. Use it in `with`: the file appears at the
+    end, and does not if there was an exception. floor: of the sign rule 'below', its z (body.floor), which the file
+    states. Raises as write_field() does.
+
+        with clsdf.FieldWriter(path, grid, band, body.sign) as writer:
+            for slab in body.slabs(grid, band=band):
+                writer.append(slab)
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        grid: Grid,
+        band: BandLike,
+        sign: str,
+        mesh_name: str = "mesh",
+        outputs: Outputs = "distance",
+        positive_inside: bool = False,
+        groups: Groups | None = None,
+        floor: float | None = None,
+    ) -> None:
+        if not isinstance(grid, Grid):
+            raise Error(f"grid: {_short(grid)} is no clsdf.Grid")
+        if not isinstance(band, Band):
+            band = band_without_mesh(band, grid)
+        self._open(path, Samples(grid, band, sign, mesh_name, {}, positive_inside, floor), wanted(outputs), groups)
+
+    def _open(
+        self, path: str | os.PathLike[str], field: Samples, outputs: tuple[str, ...], groups: Groups | None
+    ) -> None:
+        """field: all but its arrays."""
+        if groups is not None and not isinstance(groups, Groups):
+            raise Error(f"groups: {repr(groups)[:100]} is no clsdf.Groups; read_mesh(path).groups is one")
+        names: list[str] = [] if groups is None else groups.names
+        numbers = None if groups is None else np.ascontiguousarray(groups.numbers, np.int32)
+        name = os.fsdecode(path)
+        self._path = name
+        self._writer: _core.Writer | None = _core.writer(
+            name, field.grid, field.band, field.sign, field.mesh_name, outputs, field.positive_inside, names, numbers, field.floor
+        )
+        has_end = not math.isinf(max(field.band.inside, field.band.outside))
+        if name.lower().endswith(".sdf") and (field.positive_inside or has_end):
+            warnings.warn(
+                f"{name} does not state that it is positive inside: tell it to those who read it, or use another format"
+                if field.positive_inside
+                else f"{name} does not state its band: programs that read it take the band's limit for the distance of "
+                "samples beyond it; use band='full', or another format",
+                MeshWarning,
+                stacklevel=3,
+            )
+
+    def __repr__(self) -> str:
+        return f"<clsdf.FieldWriter: {self._path}{'' if self._writer else ', finished'}>"
+
+    def append(self, slab: Field) -> None:
+        """The next whole slices, in ascending z, with the announced outputs."""
+        if self._writer is None:
+            raise Error("the file is finished")
+        if not isinstance(slab, Field):
+            raise Error(f"slab: {_short(slab)} is no clsdf.Field; body.slabs() and body.field() make them")
+        self._writer.append({name: _packed(name, slab.arrays[name]) for name in slab.outputs})
+
+    def finish(self) -> None:
+        """Gives the file its name."""
+        if self._writer is not None:
+            self._writer.finish()
+            self._writer = None
+
+    def __enter__(self) -> FieldWriter:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self.finish()
+        self._writer = None
+
+
+def _short(value: Any) -> str:
+    return f"{repr(value)[:100]}, a {type(value).__name__},"
+
+
+def _packed(name: str, array: Any) -> Any:
+    # Files have the types of the table; an int32 triangle of -1 is its no_triangle.
+    dtype = type_of(name)[0]
+    if array.dtype == np.int32 and dtype == np.uint32:
+        array = array.view(np.uint32)
+    return np.ascontiguousarray(array, dtype)

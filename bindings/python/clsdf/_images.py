@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,9 +12,7 @@ from ._complete import complete
 from ._core import Grid
 from ._error import Error
 from ._frames import into_frame
-
-if TYPE_CHECKING:
-    from ._field import Field
+from ._values import Samples
 
 #: Space of NRRD: of SimpleITK's positions, and of nibabel's.
 _of_itk, _of_nifti = "left-posterior-superior", "right-anterior-superior"
@@ -111,7 +109,7 @@ def finish(image: Image, arrays: dict[str, npt.NDArray[Any]], mirrored: int | No
                 rows[part] = image.from_frame(rows[part], name)
 
 
-def write(field: Field, image: Image, path: str) -> None:
+def write(field: Samples, image: Image, path: str) -> None:
     """A .nrrd, .nii or .nii.gz of the distance, with the image's origin and direction."""
     ending = next((one for one in (".nrrd", ".nii.gz", ".nii") if path.lower().endswith(one)), None)
     if ending is None:
@@ -127,7 +125,7 @@ def _triple(numbers: Any) -> str:
     return "(" + ",".join(repr(float(number)) for number in numbers) + ")"
 
 
-def _pairs(field: Field) -> list[str]:
+def _pairs(field: Samples) -> list[str]:
     """What the files of the library say of a field, in their words."""
     name = field.mesh_name.replace("\\", "\\\\").replace("\n", "\\n")
     said = {"version": _core.version(), "mesh": name, "sign": field.sign}
@@ -139,7 +137,7 @@ def _pairs(field: Field) -> list[str]:
     return [f"clsdf_{key}:={value}" for key, value in said.items()]
 
 
-def _write_nrrd(path: str, field: Field, image: Image) -> None:
+def _write_nrrd(path: str, field: Samples, image: Image) -> None:
     header = [
         "NRRD0005",
         f"# signed distance, {'positive' if field.positive_inside else 'negative'} inside; clsdf",
@@ -159,7 +157,7 @@ def _write_nrrd(path: str, field: Field, image: Image) -> None:
         file.write(np.ascontiguousarray(field.distance, "<f4").data)
 
 
-def _write_nifti(path: str, field: Field, image: Image) -> None:
+def _write_nifti(path: str, field: Samples, image: Image) -> None:
     import nibabel  # type: ignore[import-not-found,import-untyped,unused-ignore]
 
     voxels = np.asarray(field.distance, np.float32).transpose(2, 1, 0)

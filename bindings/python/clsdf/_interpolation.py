@@ -3,32 +3,29 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ._core import Grid
 from ._error import Error
-from ._meshes import Mesh
+from ._images import Image
 from ._points import on_host, rows_of
-
-if TYPE_CHECKING:
-    from ._field import Field
-    from ._transform import Transform
+from ._values import Samples
 
 #: Points at a time, which bounds the memory of intermediate results.
 _at_a_time = 1 << 18
 
 
-def distance_of(field: Field) -> npt.NDArray[Any]:
+def distance_of(field: Samples) -> npt.NDArray[Any]:
     """The distances as an array of NumPy."""
     distance: Any = field.arrays["distance"]
     return distance.get() if hasattr(distance, "base_data") else on_host(distance)
 
 
 def interpolated(
-    field: Field, points: Any, with_gradient: bool
+    field: Samples, image: Image | None, points: Any, with_gradient: bool
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64] | None]:
     """The results of Field.sample()."""
     rows, shape = rows_of(points)
@@ -40,12 +37,12 @@ def interpolated(
         part = slice(begin, begin + _at_a_time)
         at = np.asarray(rows[part], np.float64)
         far = 0.0
-        if field.image is not None:
-            far = float(np.abs(field.image.origin).max())
-            at = field.image.to_frame(at)
+        if image is not None:
+            far = float(np.abs(image.origin).max())
+            at = image.to_frame(at)
         values[part] = _linear(field.grid, distance, at, far, None if gradients is None else gradients[part])
-        if field.image is not None and gradients is not None:
-            gradients[part] = field.image.from_frame(gradients[part], "gradient")
+        if image is not None and gradients is not None:
+            gradients[part] = image.from_frame(gradients[part], "gradient")
     own = values.reshape(shape)[()]
     return own, None if gradients is None else gradients.reshape(*shape, 3)
 
@@ -84,8 +81,8 @@ def _linear(
     return values
 
 
-def surface_of(field: Field, level: float, body: Transform | None) -> Mesh:
-    """The result of Field.surface()."""
+def surface_of(field: Samples, image: Image | None, level: float) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
+    """Vertices and faces of Field.surface()."""
     from skimage.measure import marching_cubes  # type: ignore[import-not-found,import-untyped,unused-ignore]
 
     inside, outside = field.band.inside, field.band.outside
@@ -101,23 +98,11 @@ def surface_of(field: Field, level: float, body: Transform | None) -> Mesh:
     vertices = grid.origin + (np.array(grid.first) + corners[:, ::-1].astype(np.float64)) * grid.spacing
     # In the order z, y, x faces are mirrored. Those of values that grow inwards are the other way round.
     is_turned = not field.positive_inside
-    if field.image is not None:
-        vertices = field.image.from_frame(vertices)
-        is_turned ^= bool(np.linalg.det(field.image.direction) < 0)
+    if image is not None:
+        vertices = image.from_frame(vertices)
+        is_turned ^= bool(np.linalg.det(image.direction) < 0)
     faces = faces[:, ::-1] if is_turned else faces
-    if body is not None:
-        vertices = _moved_onto(body, -level if field.positive_inside else level, vertices)
-    return Mesh(vertices, np.ascontiguousarray(faces, np.uint32), name=field.mesh_name)
-
-
-def _moved_onto(body: Transform, level: float, vertices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Vertices where the distance to the body is `level`, along their gradients."""
-    found = body.query(vertices, "closest gradient", dtype="float64")
-    if level == 0:
-        return np.asarray(found.closest, np.float64)
-    if body.sign == "none" and level < 0:
-        raise Error("level: a body without a sign has no negative distances")
-    return vertices + (level - found.distance.astype(np.float64))[:, None] * found.gradient
+    return vertices, np.ascontiguousarray(faces, np.uint32)
 
 
 def check_level(level: Any) -> float:

@@ -7,7 +7,7 @@ import operator
 import os
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +15,7 @@ import numpy.typing as npt
 from . import _core, _cuda
 from ._core import Device
 from ._error import Error
-
-if TYPE_CHECKING:
-    from .typing import ArrayLike, MeshLike
+from .typing import ArrayLike, MeshLike
 
 
 class Groups(NamedTuple):
@@ -152,11 +150,11 @@ def _three(name: str, values: Any) -> tuple[float, float, float]:
 
 def _refuse_options(body: Any) -> None:
     """A transform is taken as its mesh, without what it was told about the sign."""
-    first, _, sign, _, floor, surface = body._made_of
-    if first is None:  # a part, or of shared memory: its vertices say so
+    made_of = body._made_of
+    if made_of.vertices is None:  # a part, or of shared memory: its vertices say so
         return
-    told = [f"{name}={value!r}" for name, value, usual in
-            (("sign", sign, "auto"), ("floor", floor, None), ("surface", surface, "given")) if value != usual]
+    told = [f"{name}={value!r}" for name, usual in (("sign", "auto"), ("floor", None), ("surface", "given"))
+            if (value := getattr(made_of, name)) != usual]
     if told:
         raise Error(f"a clsdf.Transform is taken as its mesh alone, and this one has {', '.join(told)}; pass "
                     "(body.vertices, body.faces), and the options again where they are taken")

@@ -6,13 +6,14 @@ import importlib.util
 import os
 import struct
 import zlib
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ._complete import complete
 from ._error import Error
-from ._field import Field
+from ._values import Samples
 
 _inside, _outside = np.array([40, 90, 170.0]), np.array([200, 110, 50.0])
 _white, _line = np.array([255, 255, 255.0]), np.array([20, 20, 20.0])
@@ -57,18 +58,10 @@ class Picture:
         complete(name, ".png", write)
 
 
-def slice_picture(
-    field: Field, axis: str = "z", index: int | None = None, pixels: int = 512, axes: bool | None = None
+def of_slice(
+    field: Samples, coordinates: Sequence[np.ndarray[Any, Any]], axis: str, index: int | None, pixels: int, axes: bool | None
 ) -> Picture:
-    """A slice of a field: blue inside, orange outside, paler near the surface, the surface black.
-
-    axis: 'x', 'y' or 'z', to which the slice is perpendicular. index: of the slice; None: the middle. pixels: on the
-    longer side, at most. axes: with coordinates, a colour bar and a title, by matplotlib; None: if it is installed.
-    Without them a sample is a square of whole pixels. The first of the other two axes points to the right, the second
-    one up. Raises clsdf.Error: invalid_argument for another axis or no such slice.
-    """
-    if not isinstance(field, Field):
-        raise Error(f"field: {repr(field)[:100]} is no clsdf.Field; body.field() and read_field() make them")
+    """The picture of slice_picture(). coordinates: of the samples along x, y and z."""
     if axis not in ("x", "y", "z"):
         raise Error(f"axis: {axis!r} is not an axis; write 'x', 'y' or 'z'")
     along = "zyx".index(axis)
@@ -78,7 +71,7 @@ def slice_picture(
         raise Error(f"index: the field has no slice {chosen} along {axis}; it has {count}")
     values = np.asarray(field.distance.take(chosen, axis=along))[::-1]  # the last row is the lowest
     if axes or (axes is None and min(values.shape) > 1 and importlib.util.find_spec("matplotlib") is not None):
-        return _with_axes(field, axis, chosen, values[::-1], pixels)
+        return _with_axes(field, dict(zip("xyz", coordinates)), axis, chosen, values[::-1], pixels)
     limit = float(np.abs(values[np.isfinite(values)]).max(initial=0)) or 1.0
     part = np.clip(np.abs(values) / limit, 0, 1)[..., None] * 0.8 + 0.1
     inside = np.signbit(values) != field.positive_inside
@@ -94,13 +87,14 @@ def slice_picture(
     return Picture(np.clip(colours, 0, 255).astype(np.uint8))
 
 
-def _with_axes(field: Field, axis: str, index: int, values: np.ndarray[Any, Any], pixels: int) -> Picture:
+def _with_axes(
+    field: Samples, coordinates: dict[str, np.ndarray[Any, Any]], axis: str, index: int, values: np.ndarray[Any, Any], pixels: int
+) -> Picture:
     """The slice by matplotlib. Its figure is not that of pyplot, so no state of a program changes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import-not-found,unused-ignore]
     from matplotlib.colors import LinearSegmentedColormap  # type: ignore[import-not-found,unused-ignore]
     from matplotlib.figure import Figure  # type: ignore[import-not-found,unused-ignore]
 
-    coordinates = dict(zip("xyz", field.axes()))
     (right, columns), (up, rows) = ((name, at) for name, at in coordinates.items() if name != axis)
     half = [0.5 * field.grid.spacing["xyz".index(name)] for name in (right, up)]
     limit = float(np.abs(values[np.isfinite(values)]).max(initial=0)) or 1.0

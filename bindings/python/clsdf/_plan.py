@@ -4,29 +4,33 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from ._core import Band, Grid
 from ._error import Error
+from ._lengths import BandLike
 from ._progress import Progress, shown
 from ._values import whole
 
 if TYPE_CHECKING:
-    from ._lengths import BandLike
-    from ._transform import Request, Transform
+    from ._transform import Transform
 
 
-class Plan:
-    """What Transform.plan() made. It may outlive the transform. Threads take turns. Needs pyopencl, but for arrays in
-    memory of CUDA."""
+class Request(NamedTuple):
+    """One box of many: a grid, the band as of field(), and a dictionary of arrays by the names of outputs, which are
+    written to."""
 
-    def __init__(self, plan: _core.PlanOfBoxes) -> None:
-        self._plan = plan
-        self._memory: Any = None  # see Transform.from_shared()
+    grid: Grid
+    band: BandLike
+    out: dict[str, Any]
 
-    def __repr__(self) -> str:
-        return f"<clsdf.Plan: {self.device_bytes} bytes of the device, sign {self.sign}>"
+
+class _Prepared:
+    """The common part of all plans."""
+
+    _plan: _core.PlanOfBoxes | _core.PlanOfBricks | _core.PlanOfPoints | _core.PlanOfLinks
+    _memory: Any = None  # see Transform.from_shared()
 
     @property
     def device_bytes(self) -> int:
@@ -37,6 +41,29 @@ class Plan:
     def sign(self) -> str:
         """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
         return self._plan.sign
+
+    def _enqueued(self, queue: Any, wait_for: Iterable[Any] | None, *arrays: Any) -> Any:
+        """The pyopencl.Event of a run; None if its arrays are in memory of CUDA."""
+        enqueue: Any = self._plan.enqueue
+        event = enqueue(queue, *arrays, None if wait_for is None else list(wait_for))
+        if event == 0:
+            return None
+        import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
+        return pyopencl.Event.from_int_ptr(event, retain=False)  # takes the reference
+
+
+class Plan(_Prepared):
+    """What Transform.plan() made. It may outlive the transform. Threads take turns. Needs pyopencl, but for arrays in
+    memory of CUDA."""
+
+    _plan: _core.PlanOfBoxes
+
+    def __init__(self, plan: _core.PlanOfBoxes) -> None:
+        self._plan = plan
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Plan: {self.device_bytes} bytes of the device, sign {self.sign}>"
 
     def enqueue(self, *, out: Any = None, queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:
         """Enqueues the computation of all boxes; never blocks.
@@ -55,8 +82,7 @@ class Plan:
         targets = None
         if out is not None:
             targets = [_arrays(one) for one in out] if isinstance(out, (list, tuple)) else [_arrays(out)]
-        event = self._plan.enqueue(queue, targets, None if wait_for is None else list(wait_for))
-        return _event_of(event)
+        return self._enqueued(queue, wait_for, targets)
 
     def update(
         self,
@@ -78,13 +104,14 @@ class Plan:
             self._memory = transform._memory
 
 
-class SparsePlan:
+class SparsePlan(_Prepared):
     """What Transform.sparse_plan() made: a sparse field that stays in memory of the device. It may outlive the transform.
     Threads take turns. Needs pyopencl, but for arrays in memory of CUDA."""
 
+    _plan: _core.PlanOfBricks
+
     def __init__(self, plan: _core.PlanOfBricks) -> None:
         self._plan = plan
-        self._memory: Any = None  # see Transform.from_shared()
 
     def __repr__(self) -> str:
         bricks, runs = self.room
@@ -103,16 +130,6 @@ class SparsePlan:
     def band(self) -> Band:
         return self._plan.band
 
-    @property
-    def device_bytes(self) -> int:
-        """Device memory of the plan, beside what the transform keeps."""
-        return self._plan.device_bytes
-
-    @property
-    def sign(self) -> str:
-        """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
-        return self._plan.sign
-
     def enqueue(self, *, out: Mapping[str, Any], queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:
         """Enqueues the computation; never blocks and reads nothing back.
 
@@ -123,8 +140,7 @@ class SparsePlan:
             'distance' and the other outputs of the plan: (room[0], 8, 8, 8), vectors (room[0], 8, 8, 8, 3).
         queue, wait_for and the result: as of Plan.enqueue(). The arrays must outlive the run.
         """
-        event = self._plan.enqueue(queue, dict(out), None if wait_for is None else list(wait_for))
-        return _event_of(event)
+        return self._enqueued(queue, wait_for, dict(out))
 
     def update(
         self,
@@ -152,13 +168,14 @@ class SparsePlan:
             self._memory = transform._memory
 
 
-class PointPlan:
+class PointPlan(_Prepared):
     """What Transform.plan_points() made. It may outlive the transform. Threads take turns. Needs pyopencl, but for arrays
     in memory of CUDA."""
 
+    _plan: _core.PlanOfPoints
+
     def __init__(self, plan: _core.PlanOfPoints) -> None:
         self._plan = plan
-        self._memory: Any = None  # see Transform.from_shared()
 
     def __repr__(self) -> str:
         return f"<clsdf.PointPlan: {self.count} points, {self.device_bytes} bytes of the device, sign {self.sign}>"
@@ -167,16 +184,6 @@ class PointPlan:
     def count(self) -> int:
         """The most points of a run."""
         return self._plan.count
-
-    @property
-    def device_bytes(self) -> int:
-        """Device memory of the plan, beside what the transform keeps."""
-        return self._plan.device_bytes
-
-    @property
-    def sign(self) -> str:
-        """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
-        return self._plan.sign
 
     def enqueue(
         self, points: Any, *, out: Any, status: Any = None, queue: Any = None, wait_for: Iterable[Any] | None = None
@@ -194,8 +201,7 @@ class PointPlan:
         was not made with, for arrays that overlap or are of another shape, context or device; unsupported for other
         types.
         """
-        event = self._plan.enqueue(queue, points, _arrays(out), status, None if wait_for is None else list(wait_for))
-        return _event_of(event)
+        return self._enqueued(queue, wait_for, points, _arrays(out), status)
 
     def update(self, transform: Transform, *, progress: Progress = None) -> None:
         """Prepares the next runs for the present positions of the transform. Blocks."""
@@ -204,13 +210,14 @@ class PointPlan:
             self._memory = transform._memory
 
 
-class LinkPlan:
+class LinkPlan(_Prepared):
     """What Transform.plan_links() made. It may outlive the transform. Threads take turns. Needs pyopencl, but for arrays in
     memory of CUDA."""
 
+    _plan: _core.PlanOfLinks
+
     def __init__(self, plan: _core.PlanOfLinks) -> None:
         self._plan = plan
-        self._memory: Any = None  # see Transform.from_shared()
 
     def __repr__(self) -> str:
         return f"<clsdf.LinkPlan: room for {self.room} links, {self.device_bytes} bytes of the device, sign {self.sign}>"
@@ -229,11 +236,6 @@ class LinkPlan:
         """Device memory of the plan."""
         return self._plan.device_bytes
 
-    @property
-    def sign(self) -> str:
-        """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
-        return self._plan.sign
-
     def enqueue(self, *, out: Mapping[str, Any], queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:
         """Enqueues copies of the links; never blocks and reads nothing back.
 
@@ -245,8 +247,7 @@ class LinkPlan:
             'inside': uint8, of the grid's shape. 'dense': float64 or float32, (directions, *grid.shape): q, or -1.
         queue, wait_for and the result: as of Plan.enqueue(). The arrays must outlive the run.
         """
-        event = self._plan.enqueue(queue, dict(out), None if wait_for is None else list(wait_for))
-        return _event_of(event)
+        return self._enqueued(queue, wait_for, dict(out))
 
     def update(
         self, transform: Transform, *, grid: Grid | None = None, room: int | None = None, progress: Progress = None
@@ -284,12 +285,3 @@ def room_of(room: Any) -> tuple[int, int]:
 
 def _arrays(out: Any) -> dict[str, Any]:
     return dict(out) if isinstance(out, Mapping) else {"distance": out}
-
-
-def _event_of(event: int) -> Any:
-    """The pyopencl.Event of a cl_event, whose reference it takes; None for 0."""
-    if event == 0:
-        return None
-    import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
-    return pyopencl.Event.from_int_ptr(event, retain=False)

@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _cuda, _meshes
-from ._core import Device
 from ._devices import device_of
 from ._error import Error
 from ._frames import matrix_of
@@ -97,12 +96,28 @@ def _whole(what: str, values: Any, columns: int) -> npt.NDArray[np.uint32]:
     return np.ascontiguousarray(array, np.uint32)
 
 
-def _outputs_without_own(
-    outputs: Outputs | None, shape: tuple[int, ...]
-) -> tuple[list[str], npt.NDArray[np.bool_] | None]:
-    """The outputs that a transform has, too, and an array of the shape for 'is_own', if that is one of them."""
-    asked = outputs.replace(",", " ").split() if isinstance(outputs, str) else list(outputs or ())
-    return [name for name in asked if name != "is_own"], np.empty(shape, np.bool_) if "is_own" in asked else None
+def _arrays_with_own(
+    outputs: Outputs | None, out: Any, dtype: npt.DTypeLike | None, shape: tuple[int, ...]
+) -> tuple[dict[str, Any], Any, dict[str, Any]]:
+    """arrays_for() of outputs, that of 'is_own' as bytes, which a transform has not, and the arrays as the caller gets them."""
+    own = None
+    if out is None:
+        asked = outputs.replace(",", " ").split() if isinstance(outputs, str) else list(outputs or ())
+        own = np.empty(shape, np.bool_) if "is_own" in asked else None
+        outputs = [name for name in asked if name != "is_own"]
+    else:
+        given = out.arrays if isinstance(out, Values) else out
+        if hasattr(given, "keys") and "is_own" in given:
+            own = given["is_own"]
+            if not isinstance(own, np.ndarray) or own.shape != shape or not own.flags.c_contiguous:
+                raise Error(f"out: the array of 'is_own' is no NumPy array of the shape {shape} in C order")
+            out = {name: given[name] for name in given if name != "is_own"}
+        if outputs is not None:
+            raise Error("outputs= and out= exclude each other: the arrays that are given say what is computed")
+    arrays, results = arrays_for(outputs, out, dtype, shape)
+    if own is None:
+        return arrays, None, results
+    return arrays, own.reshape(-1).view(np.uint8), {**results, "is_own": own}
 
 
 class Scene(WithFields):
@@ -146,10 +161,6 @@ class Scene(WithFields):
 
     def __bool__(self) -> bool:
         return True
-
-    @property
-    def device(self) -> Device:
-        return self._body.device
 
     @property
     def memory(self) -> tuple[int, int]:
@@ -244,18 +255,9 @@ class Scene(WithFields):
         points, within, out, progress, wait_for, refuse_unusable_points, dtype: as of Transform.query().
         """
         points, shape = rows_of(points)
-        count = _cuda.shape_of(points)[0]
-        arrays_out, is_own = self._without_own(out, shape)
-        if out is None:
-            outputs, is_own = _outputs_without_own(outputs, shape)
-        elif outputs is not None:
-            raise Error("outputs= and out= exclude each other: the arrays that are given say what is computed")
-        arrays, results = arrays_for(outputs, arrays_out, dtype, shape)
-        own = None if is_own is None else is_own.reshape(count).view(np.uint8)
+        arrays, own, results = _arrays_with_own(outputs, out, dtype, shape)
         with shown(progress) as show:
             self._body.query(points, limit_of(within), arrays, own, show, wait_for, refuse_unusable_points)
-        if is_own is not None:
-            results = {**results, "is_own": is_own}
         return ScenePoints(results if out is not None else in_numbers(results))
 
     def query_poses(
@@ -278,24 +280,10 @@ class Scene(WithFields):
             raise Error(f"poses has the shape {rows.shape}; expected (c, {len(self)}, 4, 4) or (c, {len(self)}, 3, 4)")
         flat = poses_of(rows.reshape(-1, *rows.shape[2:]),
                         lambda number: f"body {number % len(self)} in configuration {number // len(self)}")
-        shape = (len(rows), *shape)
-        outputs, is_own = _outputs_without_own(outputs, shape)
-        arrays, results = arrays_for(outputs, None, dtype, shape)
-        own = None if is_own is None else is_own.reshape(-1).view(np.uint8)
+        arrays, own, results = _arrays_with_own(outputs, None, dtype, (len(rows), *shape))
         with shown(progress) as show:
             self._body.query_poses(points, flat, limit_of(within), arrays, own, show, refuse_unusable_points)
-        return ScenePoints(results if is_own is None else {**results, "is_own": is_own})
-
-    @staticmethod
-    def _without_own(out: Any, shape: tuple[int, ...]) -> tuple[Any, npt.NDArray[Any] | None]:
-        """The arrays of `out` that a transform writes, too, and that of 'is_own'."""
-        arrays = out.arrays if isinstance(out, Values) else out
-        if not hasattr(arrays, "keys") or "is_own" not in arrays:
-            return out, None
-        own = arrays["is_own"]
-        if not isinstance(own, np.ndarray) or own.shape != shape or not own.flags.c_contiguous:
-            raise Error(f"out: the array of 'is_own' is no NumPy array of the shape {shape} in C order")
-        return {name: arrays[name] for name in arrays if name != "is_own"}, own
+        return ScenePoints(results)
 
     def query_pairs(
         self,

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from . import _core
 from ._core import Band, Grid
 from ._error import Error
-from ._values import Values, shape_of, type_of
+from ._values import Samples, shape_of, type_of
 
 
-class SparseField(Values):
+class SparseField(Samples):
     """The bricks of a grid that are near the surface, 8 x 8 x 8 samples each, and the sign of the rest.
 
     Bricks tile the lattice from its sample (0, 0, 0). One has values if a sample of it is in the band, or if it has
@@ -41,15 +41,9 @@ class SparseField(Values):
         positive_inside: bool = False,
         floor: float | None = None,
     ) -> None:
-        super().__init__(arrays)
-        self.grid = grid
-        self.band = band
-        self.sign = sign
-        self.mesh_name = mesh_name
+        super().__init__(grid, band, sign, mesh_name, arrays, positive_inside, floor)
         self.bricks = bricks
         self.inside = inside
-        self.positive_inside = positive_inside
-        self.floor = floor
 
     def __repr__(self) -> str:
         return (
@@ -99,17 +93,9 @@ class SparseField(Values):
         arrays = {name: _packed(array, type_of(name)[0]) for name, array in self.arrays.items()}
         bricks, inside = _packed(self.bricks, np.int64), _packed(self.inside, np.int64)
         _core.write_sparse(
-            os.fsdecode(path),
-            self.grid,
-            self.band,
-            self.sign,
-            self.mesh_name,
-            self.positive_inside,
-            bricks,
-            inside,
-            arrays,
-            self.floor,
-        )
+            os.fsdecode(path), self.grid, self.band, self.sign, self.mesh_name, self.positive_inside,
+            bricks, inside, arrays, self.floor,
+        )  # fmt: skip
 
 
 def made(

@@ -4,41 +4,30 @@ from __future__ import annotations
 
 import enum
 import math
-import operator
 import os
 import threading
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core, _cuda, _images, _meshes, _sparse
-from ._core import Band, Device, Grid, Topology
+from ._core import Device, Grid, Topology
 from ._devices import device_of
-from ._error import Error, MeshWarning
+from ._error import Error
 from ._frames import Motion, frame_of, into_frame, motion_of, out_of_frame, vectors
-from ._lengths import BandLike, LengthLike, band_on, parse_band, parse_length
+from ._lengths import BandLike, LengthLike, parse_length
 from ._points import arrays_for, by_limit, in_floats, in_numbers, limit_each, limit_of, limits_of, on_host, on_surface
 from ._points import pairs_of, rows_of
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, wanted, whole
 from ._field import Field
 from ._links import Crossings, DirectionsLike, Links, directions_of, grid_of, is_in_floats, is_of_faces
-from ._plan import LinkPlan, Plan, PointPlan, SparsePlan, room_of
+from ._plan import LinkPlan, Plan, PointPlan, Request, SparsePlan, room_of
 from ._sparse import SparseField
 from ._with_fields import WithFields
 from .typing import ArrayLike, DeviceLike, FrameLike, MeshLike, OutLike, RotationLike
-
-
-class Request(NamedTuple):
-    """One box of many: a grid, the band as of field(), and a dictionary of arrays by the names of outputs, which are
-    written to."""
-
-    grid: Grid
-    band: BandLike
-    out: dict[str, Any]
 
 
 class Region(NamedTuple):
@@ -75,6 +64,17 @@ class BoxPlace(enum.IntEnum):
     INSIDE = 1  #: the surface is farther from every point of the box, and all of them are inside
     OUTSIDE = 2  #: the same, and all of them are outside
     BEYOND = 3  #: the same, of a mesh that has no sign
+
+
+class MadeOf(NamedTuple):
+    """The arguments of a transform, to make it again elsewhere."""
+
+    vertices: Any  #: None, like the faces, of a part and of shared memory
+    faces: Any
+    sign: str  #: the rule that was asked for
+    kept_bytes: int | None
+    floor: float | None
+    surface: str
 
 
 AnyPlan = TypeVar("AnyPlan", Plan, SparsePlan, PointPlan, LinkPlan)
@@ -149,27 +149,28 @@ class Transform(WithFields):
         if not isinstance(sign, str):
             raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle', 'below' or 'none'")
         is_own = faces is None and isinstance(mesh, (str, os.PathLike))
-        vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
-        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes, floor, is_outer)
+        vertices, faces, name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
+        body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes, floor, is_outer)
         if not is_own:
-            own = self._body.device
-            vertices, faces = _meshes.own_copy(vertices, own), _meshes.own_copy(faces, own)
-        self._keep((vertices, faces, sign, kept_bytes, floor, surface))
+            vertices, faces = _meshes.own_copy(vertices, body.device), _meshes.own_copy(faces, body.device)
+        self._keep(body, name, MadeOf(vertices, faces, sign, kept_bytes, floor, surface))
 
-    def _keep(self, made_of: tuple[Any, Any, str, int | None, float | None, str]) -> None:
-        """What the transform is made of, to make it again elsewhere."""
-        self._made_of = made_of
+    def _keep(self, body: _core.Body, mesh_name: str, made_of: MadeOf) -> None:
+        self._body, self.mesh_name, self._made_of = body, mesh_name, made_of
         self._positions: Any = None
         self._motion: Any = None
         self._regions: Any = None
         self._memory: Any = None  # of from_shared(): what the transform and its plans read
         self._moves = threading.RLock()  # a handler of signals that moves the body gets the extension's error
 
-    # Copies.
+    @classmethod
+    def _without_mesh(cls, body: _core.Body, kept_bytes: int | None) -> Transform:
+        """The transform of a body that has a name, a rule and a floor of its own."""
+        made = cls.__new__(cls)
+        made._keep(body, body.mesh_name, MadeOf(None, None, body.sign, kept_bytes, body.floor, "given"))
+        return made
 
-    def _state(self) -> tuple[Any, ...]:
-        with self._moves:
-            return *self._made_of, self._positions, self._motion, self._regions, self.mesh_name
+    # Copies.
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The mesh's arrays, the present positions, the options, and the device by its name and limits, on which
@@ -180,9 +181,10 @@ class Transform(WithFields):
                 "memory again, in another process with memory of the same name",
                 "unsupported",
             )
-        if self._made_of[0] is None:
-            return _part_again, (self.part_bytes(), self.device, self._made_of[3], self._regions)
-        return _made_again, (self.device, *self._state())
+        if self._made_of.vertices is None:
+            return _part_again, (self.part_bytes(), self.device, self._made_of.kept_bytes, self._regions)
+        with self._moves:
+            return _made_again, (self.device, self.mesh_name, self._made_of, self._positions, self._motion, self._regions)
 
     def __copy__(self) -> Transform:
         """A transform of the same mesh at its present positions, on the same device."""
@@ -216,7 +218,7 @@ class Transform(WithFields):
         clsdf.Error (unsupported) for a mesh that is open."""
         topology = self.topology  # of the surface that decides the sign: these are the faces that it has not as given
         others = topology.uncounted_faces + topology.reoriented_faces + topology.sheet_faces + topology.double_sided_faces + topology.detail_faces
-        if topology.balanced and others == 0 and self.sign in ("nonzero", "none") and self._made_of[5] == "given":
+        if topology.balanced and others == 0 and self.sign in ("nonzero", "none") and self._made_of.surface == "given":
             return _meshes.volume_of(self.vertices, self.faces)
         if self.sign not in ("nonzero", "parity"):
             raise Error(f"{self.mesh_name} has the sign rule {self.sign}, and an open surface encloses no volume; close it",
@@ -231,7 +233,7 @@ class Transform(WithFields):
     @property
     def floor(self) -> float | None:
         """Of the sign rule 'below': z of the floor."""
-        return self._made_of[4]
+        return self._made_of.floor
 
     @property
     def topology(self) -> Topology:
@@ -242,10 +244,6 @@ class Transform(WithFields):
     def sign(self) -> str:
         """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
         return self._body.sign
-
-    @property
-    def device(self) -> Device:
-        return self._body.device
 
     @property
     def memory(self) -> tuple[int, int]:
@@ -267,7 +265,7 @@ class Transform(WithFields):
         _meshes.refuse_graph("positions", positions, "clsdf.torch.signed_distance(body, points, vertices) gives it, or ")
         with self._moves:
             self._body.set_positions(positions, wait_for)
-            if self._made_of[0] is not None:
+            if self._made_of.vertices is not None:
                 self._positions, self._motion = _meshes.own_copy(positions, self.device), None
 
     def set_motion(self, rotation: RotationLike, translation: ArrayLike | None = None) -> Motion:
@@ -291,14 +289,14 @@ class Transform(WithFields):
     def faces(self) -> npt.NDArray[Any]:
         """(m, 3): the faces that the transform was made of, read-only."""
         self._check_mesh()
-        return self._made_of[1]  # type: ignore[no-any-return]
+        return self._made_of.faces  # type: ignore[no-any-return]
 
     @property
     def vertices(self) -> npt.NDArray[Any]:
         """(n, 3): the vertices that the transform was made of, at their present positions, read-only."""
         self._check_mesh()
         with self._moves:
-            first, positions, motion = self._made_of[0], self._positions, self._motion
+            first, positions, motion = self._made_of.vertices, self._positions, self._motion
         if motion is None:
             return first if positions is None else positions  # type: ignore[no-any-return]
         moved = _core.moved(np.ascontiguousarray(first, np.float64), *motion)
@@ -306,7 +304,7 @@ class Transform(WithFields):
         return moved
 
     def _check_mesh(self) -> None:
-        if self._made_of[0] is None:
+        if self._made_of.vertices is None:
             what = "a part, made by restrict_to() or from_part(),"
             if self._memory is not None:
                 what = "a transform of shared memory, made by from_shared(),"
@@ -321,8 +319,8 @@ class Transform(WithFields):
         if count < 0 or not 0 <= radius < math.inf:
             raise Error(f"sample takes a number of points and a length, each 0 or more; not {n!r} and {within!r}")
         vertices, faces = self.vertices, self.faces
-        if self._made_of[5] == "outer":
-            vertices, faces, *_ = _core.outer(vertices, faces, self._made_of[2], is_silent=True)
+        if self._made_of.surface == "outer":
+            vertices, faces, *_ = _core.outer(vertices, faces, self._made_of.sign, is_silent=True)
         return on_surface(vertices, faces, count, radius, seed)
 
     # Grids.
@@ -357,14 +355,12 @@ class Transform(WithFields):
         geometry = _images.geometry_of(image)
         if self._memory is not None:
             self._check_mesh()
-        if self.sign == "below" or self._regions is not None or self._made_of[0] is None:
+        if self.sign == "below" or self._regions is not None or self._made_of.vertices is None:
             raise Error("image: a terrain, whose walls are along z, and a restricted transform have fields of grids alone",
                         "unsupported")
         # The first positions decide what the sign counts.
-        first, faces, sign, kept_bytes, floor, surface = self._made_of
-        vertices, mirrored = _images.in_frame(geometry, first)
-        body = _made_again(
-            self.device, vertices, faces, sign, kept_bytes, floor, surface, None, None, None, self.mesh_name)
+        vertices, mirrored = _images.in_frame(geometry, self._made_of.vertices)
+        body = _made_again(self.device, self.mesh_name, self._made_of._replace(vertices=vertices))
         if self._positions is not None or self._motion is not None:
             body.set_positions(_images.in_frame(geometry, self.vertices)[0])
         grid, own_band = body._grid_and_band(geometry.grid, self._in_units(band), exact_signs=exact_signs)
@@ -381,7 +377,7 @@ class Transform(WithFields):
         if isinstance(band, (tuple, list)):
             return tuple(self._in_units(width) for width in band)  # type: ignore[return-value]
         if isinstance(band, str) and band.endswith("%"):
-            return parse_length("band", band).resolve(1.0, float((self.box[1] - self.box[0]).max()))
+            return parse_length("band", band).resolve(1.0, self._longest_side())
         return band
 
     def fields(
@@ -471,9 +467,7 @@ class Transform(WithFields):
         """A field of any size as an iterator of its slabs: Fields of whole slices, in the order of z, at most about 16
         million samples at a time. Options: as of field(). Each slab is computed when it is asked for; the bytes are
         those of the whole."""
-        all_of_it, own_band = self._grid_and_band(
-            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
-        )
+        all_of_it, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs)
         outputs = wanted(outputs)
         self._warn_of_narrow(all_of_it, own_band)
         return (
@@ -503,9 +497,7 @@ class Transform(WithFields):
         Options: as of field(), with a band of three voxels. It must have an end; a field of signs alone is dense. A
         restricted transform needs regions that hold whole bricks: the box of grid.in_whole_bricks().
         """
-        grid, own_band = self._grid_and_band(
-            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
-        )
+        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs)
         names = wanted(outputs)
         if positive_inside:
             self._check_negatable({}, own_band)
@@ -559,9 +551,7 @@ class Transform(WithFields):
         """Computes a sparse field of any size into a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb: a few layers of
         bricks are in memory at a time (a .vdb keeps the bricks). The file is that of sparse().write(path). Options: as
         of sparse(). Raises clsdf.Error as both do; no file stays then."""
-        grid, own_band = self._grid_and_band(
-            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
-        )
+        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs)
         self._warn_of_narrow(grid, own_band)
         with self._turn(progress, "sparse", wanted(outputs)) as show:
             _core.compute_sparse_file(
@@ -648,8 +638,7 @@ class Transform(WithFields):
         if any(hasattr(array, "base_data") or _cuda.is_in_cuda(array) for array in given_arrays):
             raise Error("within: an array needs points and out= of the host; copy them, or give one number", "unsupported")
         points, arrays = on_host(points), {name: on_host(array) for name, array in arrays.items()}
-        lower, upper = self._body.box
-        for rows in by_limit(points, limits, max(map(operator.sub, upper, lower))):
+        for rows in by_limit(points, limits, self._longest_side()):
             own, some = limits[rows], np.ascontiguousarray(points[rows])
             found = {
                 name: np.empty((len(own), *array.shape[1:]), np.float64 if name == "distance" else array.dtype)
@@ -771,8 +760,6 @@ class Transform(WithFields):
         """Where the edges of a grid between neighbouring samples meet walls, along x, y and z. counts: the number of
         walls on each edge, too."""
         grid = grid_of(grid)
-        if progress is None:
-            return Crossings(grid, _core.crossings(self._body, grid, counts, None))
         with shown(progress) as show:
             return Crossings(grid, _core.crossings(self._body, grid, counts, show))
 
@@ -869,13 +856,14 @@ class Transform(WithFields):
         except (TypeError, ValueError):
             raise Error(f"margin: {margin!r} is no number; write how far a vertex may move, or 0") from None
         with self._moves:
-            part = Transform.__new__(Transform)
-            part._body, part.mesh_name = self._body.restrict_to(plain, margin), self.mesh_name
-            if self._made_of[5] == "outer":  # which has no bytes
-                part._keep(self._made_of)
+            part, made_of = Transform.__new__(Transform), self._made_of
+            is_outer = made_of.surface == "outer"  # which has no bytes
+            part._keep(
+                self._body.restrict_to(plain, margin), self.mesh_name,
+                made_of if is_outer else made_of._replace(vertices=None, faces=None, sign=self.sign),
+            )
+            if is_outer:
                 part._positions, part._motion = self._positions, self._motion
-            else:
-                part._keep((None, None, self.sign, *self._made_of[3:]))
             part._regions = plain
         return part
 
@@ -902,11 +890,7 @@ class Transform(WithFields):
         Raises clsdf.Error: invalid_argument if the bytes are no part, not whole, damaged or of another version."""
         if not isinstance(part, bytes):
             raise Error(f"part: {repr(part)[:100]} is no bytes; pass what part_bytes() gave")
-        made = cls.__new__(cls)
-        made._body = _core.of_part(device_of(device), part, _meshes.kept_bytes_of(kept_bytes))
-        made.mesh_name = made._body.mesh_name
-        made._keep((None, None, made._body.sign, kept_bytes, made._body.floor, "given"))
-        return made
+        return cls._without_mesh(_core.of_part(device_of(device), part, _meshes.kept_bytes_of(kept_bytes)), kept_bytes)
 
     # Shared memory.
 
@@ -942,10 +926,8 @@ class Transform(WithFields):
         Raises clsdf.Error: invalid_argument if the memory has no transform that is complete, undamaged and of this
         version of clsdf."""
         bytes_of = _bytes_of(memory)
-        made = cls.__new__(cls)
-        made._body = _core.of_shared(device_of(device), bytes_of, _meshes.kept_bytes_of(kept_bytes))
-        made.mesh_name = made._body.mesh_name
-        made._keep((None, None, made._body.sign, kept_bytes, made._body.floor, "given"))
+        body = _core.of_shared(device_of(device), bytes_of, _meshes.kept_bytes_of(kept_bytes))
+        made = cls._without_mesh(body, kept_bytes)
         made._memory = bytes_of
         return made
 
@@ -1036,24 +1018,13 @@ def _part_again(part: bytes, device: Device, kept_bytes: int | None, regions: An
 
 
 def _made_again(
-    device: Device,
-    vertices: Any,
-    faces: Any,
-    sign: str,
-    kept_bytes: int | None,
-    floor: float | None,
-    surface: str,
-    positions: Any,
-    motion: Any,
-    regions: Any,
-    mesh_name: str,
+    device: Device, mesh_name: str, made_of: MadeOf, positions: Any = None, motion: Any = None, regions: Any = None
 ) -> Transform:
-    """A transform from what Transform._state() has."""
     # The rule that was asked for decides again, as it did: a name in its place would count sheets that are left out.
+    vertices, faces, sign, kept_bytes, floor, surface = made_of
+    body = _core.make_body(device, vertices, faces, sign, kept_bytes, floor, surface == "outer", is_silent=True)
     made = Transform.__new__(Transform)
-    made.mesh_name = mesh_name
-    made._body = _core.make_body(device, vertices, faces, sign, kept_bytes, floor, surface == "outer", is_silent=True)
-    made._keep((vertices, faces, sign, kept_bytes, floor, surface))
+    made._keep(body, mesh_name, made_of)
     if positions is not None:
         made.set_positions(positions)
     if motion is not None:

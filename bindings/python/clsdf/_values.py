@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _cuda
+from ._core import Band, Grid
 from ._error import Error
 
 Outputs = Union[str, Iterable[str]]
@@ -189,6 +190,28 @@ class Values:
     def body(self) -> npt.NDArray[np.uint32]:
         """Of a Scene: the body of the nearest triangle, clsdf.no_body beyond the band. Of a Transform 0."""
         return self._array("body")
+
+
+class Samples(Values):
+    """Arrays of samples of a grid, with what a file says of them."""
+
+    def __init__(
+        self,
+        grid: Grid,
+        band: Band,
+        sign: str,
+        mesh_name: str,
+        arrays: dict[str, Any],
+        positive_inside: bool,
+        floor: float | None,
+    ) -> None:
+        super().__init__(arrays)
+        self.grid = grid
+        self.band = band
+        self.sign = sign
+        self.mesh_name = mesh_name
+        self.positive_inside = positive_inside
+        self.floor = floor
 
 
 class Points(Values):

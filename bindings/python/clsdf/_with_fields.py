@@ -39,8 +39,7 @@ def _steps(spacing: float | Sequence[float] | None) -> tuple[float, float, float
 class WithFields:
     """What a Transform and a Scene have alike."""
 
-    #: The extension's object, with `box` and `compute`.
-    _body: Any
+    _body: _core.Body | _core.Bodies
     #: For messages; made when it is needed.
     _device_name = ""
     #: Of fields, where none is given. A scene computes each body in its band, which is less work than the whole grid each.
@@ -48,7 +47,7 @@ class WithFields:
 
     @property
     def device(self) -> Device:
-        raise NotImplementedError
+        return self._body.device
 
     def _description(self) -> tuple[str, str, float | None]:
         """Of a field: the sign rule, the name of the mesh, and the floor of the rule 'below'."""
@@ -92,9 +91,7 @@ class WithFields:
     ) -> tuple[Grid, Band]:
         """A grid that is given, or one around the mesh; and its band."""
         if grid is None:
-            grid = self.grid(
-                resolution, spacing=spacing, margin=margin, cubic=cubic, cell_centred=cell_centred, band=band
-            )
+            grid = self.grid(resolution, spacing=spacing, margin=margin, cubic=cubic, cell_centred=cell_centred, band=band)
         elif not isinstance(grid, Grid):
             raise Error(f"grid: {grid!r} is not a clsdf.Grid; resolution= takes a number of samples")
         elif _any_given(resolution, spacing, margin, cubic, cell_centred):
@@ -107,9 +104,11 @@ class WithFields:
     def _band_on(self, grid: Grid, band: BandLike) -> Band:
         if isinstance(band, Band):
             return band
-        lower, upper = self._body.box
-        extent = max(high - low for low, high in zip(lower, upper))
-        return band_on(parse_band(band), grid, extent)
+        return band_on(parse_band(band), grid, self._longest_side())
+
+    def _longest_side(self) -> float:
+        """That of the box of the mesh, or of the bodies."""
+        return max(high - low for low, high in zip(*self._body.box))
 
     def field(
         self,
@@ -167,9 +166,7 @@ class WithFields:
             grid = out.grid
         if band is None:
             band = out.band if isinstance(out, Field) else self._default_band
-        grid, own_band = self._grid_and_band(
-            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
-        )
+        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs)
         if out is not None and dtype is not None:
             raise Error("dtype= and out= exclude each other: arrays that are given have a type")
         arrays = new_samples(wanted(outputs or ()), grid.shape, dtype) if out is None else given(out, outputs)
@@ -221,8 +218,7 @@ class WithFields:
 
     def _warn_of_narrow(self, grid: Grid, band: Band) -> None:
         """The command has these warnings, too."""
-        lower, upper = self._body.box
-        side = max(high - low for low, high in zip(lower, upper)) / grid.voxel
+        side = self._longest_side() / grid.voxel
         if 0 <= side < 1:
             warnings.warn(
                 f"the longest side of the bodies' box is {side:.3g} voxels: are they in the units of the grid?",
