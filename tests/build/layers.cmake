@@ -76,7 +76,7 @@ list(APPEND known ${public_headers})
 # The public headers: those of the core that every layer may include, the faces of the top layers, and those beside the core,
 # which the core does not include. Each is in one of the lists.
 set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hpp fractions.hpp grid.hpp mesh.hpp outer.hpp output_table.h outputs.hpp
-                   row_tables.hpp segments.hpp sparse.hpp topology.hpp tuning.hpp turn_to_compile.hpp version.hpp)
+                   row_tables.hpp segments.hpp sparse.hpp topology.hpp topology_table.h tuning.hpp turn_to_compile.hpp version.hpp)
 set(face_of_plans fraction_plan.hpp link_plan.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
 set(face clsdf.hpp distance_transform.hpp scene.hpp)
 set(beside cuda.hpp eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp part_files.hpp picture.hpp reference.hpp)

@@ -1,5 +1,6 @@
 #include "values.hpp"
 
+#include <clsdf/topology_table.h>
 #include <clsdf/field.hpp>
 
 #include <algorithm>
@@ -346,12 +347,6 @@ clsdf_topology as_c(const Topology& topology) {
     result.closed = topology.closed ? 1 : 0;
     result.balanced = topology.balanced ? 1 : 0;
     result.inside_out = topology.inside_out ? 1 : 0;
-    result.open_edges = static_cast<std::int64_t>(topology.open_edges);
-    result.unbalanced_edges = static_cast<std::int64_t>(topology.unbalanced_edges);
-    result.non_manifold_edges = static_cast<std::int64_t>(topology.non_manifold_edges);
-    result.repeated_vertex_faces = static_cast<std::int64_t>(topology.repeated_vertex_faces);
-    result.coincident_vertices = static_cast<std::int64_t>(topology.coincident_vertices);
-    result.unused_vertices = static_cast<std::int64_t>(topology.unused_vertices);
     const auto copy = [](const std::vector<Topology::Edge>& edges, clsdf_edge(&to)[5]) {
         const std::size_t count = std::min(edges.size(), std::size(to));
         for (std::size_t i = 0; i < count; ++i) {
@@ -362,41 +357,9 @@ clsdf_topology as_c(const Topology& topology) {
     };
     result.first_open_count = copy(topology.first_open_edges, result.first_open);
     result.first_unbalanced_count = copy(topology.first_unbalanced_edges, result.first_unbalanced);
-    result.boundary_edges = static_cast<std::int64_t>(topology.boundary_edges);
-    result.joined_vertices = static_cast<std::int64_t>(topology.joined_vertices);
-    result.duplicate_faces = static_cast<std::int64_t>(topology.duplicate_faces);
-    result.uncounted_faces = static_cast<std::int64_t>(topology.uncounted_faces);
-    result.reoriented_faces = static_cast<std::int64_t>(topology.reoriented_faces);
-    result.inner_wall_faces = static_cast<std::int64_t>(topology.inner_wall_faces);
-    result.first_inner_wall_face = static_cast<std::int64_t>(topology.first_inner_wall_face);
-    result.parts = static_cast<std::int64_t>(topology.parts);
-    result.inward_parts = static_cast<std::int64_t>(topology.inward_parts);
-    result.first_inward_face = static_cast<std::int64_t>(topology.first_inward_face);
-    result.nested_parts = static_cast<std::int64_t>(topology.nested_parts);
-    result.first_nested_face = static_cast<std::int64_t>(topology.first_nested_face);
-    result.tested_points = static_cast<std::int64_t>(topology.tested_points);
-    result.doubtful_points = static_cast<std::int64_t>(topology.doubtful_points);
-    result.inside_points = static_cast<std::int64_t>(topology.inside_points);
-    result.unclear_parts = static_cast<std::int64_t>(topology.unclear_parts);
-    result.first_unclear_face = static_cast<std::int64_t>(topology.first_unclear_face);
-    result.double_sided_faces = static_cast<std::int64_t>(topology.double_sided_faces);
-    result.doubled_cavity_faces = static_cast<std::int64_t>(topology.doubled_cavity_faces);
-    result.first_doubled_cavity_face = static_cast<std::int64_t>(topology.first_doubled_cavity_face);
-    result.sheet_faces = static_cast<std::int64_t>(topology.sheet_faces);
-    result.first_sheet_face = static_cast<std::int64_t>(topology.first_sheet_face);
-    result.enclosing_faces = static_cast<std::int64_t>(topology.enclosing_faces);
-    result.first_enclosing_face = static_cast<std::int64_t>(topology.first_enclosing_face);
-    result.overlapping_parts = static_cast<std::int64_t>(topology.overlapping_parts);
-    result.first_overlapping_face = static_cast<std::int64_t>(topology.first_overlapping_face);
-    result.downward_faces = static_cast<std::int64_t>(topology.downward_faces);
-    result.first_downward_face = static_cast<std::int64_t>(topology.first_downward_face);
-    result.rim_loops = static_cast<std::int64_t>(topology.rim_loops);
-    result.overlapping_rim_edges = static_cast<std::int64_t>(topology.overlapping_rim_edges);
-    result.detail_parts = static_cast<std::int64_t>(topology.detail_parts);
-    result.detail_faces = static_cast<std::int64_t>(topology.detail_faces);
-    result.first_detail_face = static_cast<std::int64_t>(topology.first_detail_face);
-    result.partial_faces = static_cast<std::int64_t>(topology.partial_faces);
-    result.hidden_faces = static_cast<std::int64_t>(topology.hidden_faces);
+#define CLSDF_COPY(member, meaning) result.member = static_cast<std::int64_t>(topology.member);
+    CLSDF_TOPOLOGY_COUNTS(CLSDF_COPY)
+#undef CLSDF_COPY
     return result;
 }
 

@@ -2,6 +2,7 @@
 #include "binding.hpp"
 #include "calls.hpp"
 
+#include <clsdf/topology_table.h>
 #include <clsdf/fractions.hpp>
 #include <clsdf/mesh_files.hpp>
 #include <clsdf/outer.hpp>
@@ -167,48 +168,15 @@ nb::list list_of(const std::vector<Topology::Edge>& edges) {
     return list;
 }
 
-constexpr std::size_t Topology::*topology_counts[] = {
-    &Topology::tested_points,
-    &Topology::doubtful_points,
-    &Topology::inside_points,
-    &Topology::open_edges,
-    &Topology::unbalanced_edges,
-    &Topology::non_manifold_edges,
-    &Topology::repeated_vertex_faces,
-    &Topology::coincident_vertices,
-    &Topology::unused_vertices,
-    &Topology::boundary_edges,
-    &Topology::joined_vertices,
-    &Topology::duplicate_faces,
-    &Topology::uncounted_faces,
-    &Topology::reoriented_faces,
-    &Topology::inner_wall_faces,
-    &Topology::first_inner_wall_face,
-    &Topology::parts,
-    &Topology::inward_parts,
-    &Topology::first_inward_face,
-    &Topology::nested_parts,
-    &Topology::first_nested_face,
-    &Topology::unclear_parts,
-    &Topology::first_unclear_face,
-    &Topology::double_sided_faces,
-    &Topology::doubled_cavity_faces,
-    &Topology::first_doubled_cavity_face,
-    &Topology::sheet_faces,
-    &Topology::first_sheet_face,
-    &Topology::enclosing_faces,
-    &Topology::first_enclosing_face,
-    &Topology::overlapping_parts,
-    &Topology::first_overlapping_face,
-    &Topology::downward_faces,
-    &Topology::first_downward_face,
-    &Topology::rim_loops,
-    &Topology::overlapping_rim_edges,
-    &Topology::detail_parts,
-    &Topology::detail_faces,
-    &Topology::first_detail_face,
-    &Topology::partial_faces,
-    &Topology::hidden_faces,
+struct TopologyCount {
+    std::size_t Topology::*member;
+    const char *name, *meaning;
+};
+
+constexpr TopologyCount topology_counts[] = {
+#define CLSDF_ROW(member, meaning) {&Topology::member, #member, meaning},
+    CLSDF_TOPOLOGY_COUNTS(CLSDF_ROW)
+#undef CLSDF_ROW
 };
 
 using Edges = std::vector<std::pair<Vec3, Vec3>>;
@@ -222,7 +190,7 @@ Edges pairs_of(const std::vector<Topology::Edge>& edges) {
 
 TopologyState state_of(const Topology& topology) {
     std::vector<std::size_t> counts;
-    for (const auto count : topology_counts) counts.push_back(topology.*count);
+    for (const TopologyCount& count : topology_counts) counts.push_back(topology.*count.member);
     return {{topology.closed, topology.balanced, topology.inside_out},
             counts,
             pairs_of(topology.first_open_edges),
@@ -234,7 +202,7 @@ Topology topology_of(const TopologyState& state) {
     Topology topology;
     std::tie(topology.closed, topology.balanced, topology.inside_out) = kinds;
     for (std::size_t i = 0; i < std::min(counts.size(), std::size(topology_counts)); ++i)
-        topology.*topology_counts[i] = counts[i];
+        topology.*topology_counts[i].member = counts[i];
     for (const auto& [from, to] : open) topology.first_open_edges.push_back({from, to});
     for (const auto& [from, to] : unbalanced) topology.first_unbalanced_edges.push_back({from, to});
     return topology;
@@ -251,20 +219,14 @@ nb::tuple tuple_of(OuterSurface surface) {
 }
 
 void add_meshes(nb::module_& module) {
-    nb::class_<Topology>(
+    nb::class_<Topology> of_topology(
         module, "Topology",
         "What the sign rule depends on. Vertices of equal coordinates count as one. If the mesh itself is not\n"
-        "balanced, another surface decides the sign (docs/sign.md), and edges are those of that surface.")
-        .def_ro("closed", &Topology::closed, "Every edge has an even number of faces.")
+        "balanced, another surface decides the sign (docs/sign.md), and edges are those of that surface.");
+    of_topology.def_ro("closed", &Topology::closed, "Every edge has an even number of faces.")
         .def_ro("balanced", &Topology::balanced, "Every edge is used equally often in both directions.")
         .def_ro("inside_out", &Topology::inside_out,
                 "Balanced, and the enclosed volume is negative; or not balanced, and the winding number is.")
-        .def_ro("open_edges", &Topology::open_edges, "Number of edges with an odd number of faces.")
-        .def_ro("unbalanced_edges", &Topology::unbalanced_edges, "Number of edges that are not used equally often.")
-        .def_ro("non_manifold_edges", &Topology::non_manifold_edges, "Number of edges with more than two faces.")
-        .def_ro("repeated_vertex_faces", &Topology::repeated_vertex_faces, "Faces with fewer than three vertices.")
-        .def_ro("coincident_vertices", &Topology::coincident_vertices, "Vertices in use that equal an earlier one.")
-        .def_ro("unused_vertices", &Topology::unused_vertices)
         .def_prop_ro(
             "first_open_edges", [](const Topology& topology) { return list_of(topology.first_open_edges); },
             nb::sig(
@@ -275,63 +237,6 @@ void add_meshes(nb::module_& module) {
             nb::sig("def first_unbalanced_edges(self) -> list[tuple[tuple[float, float, float], tuple[float, float, "
                     "float]]]"),
             "The same.")
-        .def_ro("boundary_edges", &Topology::boundary_edges, "Undirected edges with one face: some of the open ones.")
-        .def_ro("joined_vertices", &Topology::joined_vertices,
-                "Vertices in use that differ from another one by rounding and count as it.")
-        .def_ro("duplicate_faces", &Topology::duplicate_faces,
-                "Faces with the vertices of an earlier one; 0 if every edge has two faces.")
-        .def_ro("uncounted_faces", &Topology::uncounted_faces, "Of doubled faces those that do not count for the sign.")
-        .def_ro("reoriented_faces", &Topology::reoriented_faces,
-                "Faces that look the wrong way and are turned around for the sign.")
-        .def_ro("inner_wall_faces", &Topology::inner_wall_faces,
-                "Faces between regions; without them the mesh would be closed.")
-        .def_ro("parts", &Topology::parts, "Parts of a balanced mesh that share no vertex; else 0.")
-        .def_ro("inward_parts", &Topology::inward_parts, "Parts that look inwards and are not wholly within others.")
-        .def_ro("nested_parts", &Topology::nested_parts,
-                "Parts that lie within others, look the same way and are filled.")
-        .def_ro(
-            "tested_points", &Topology::tested_points,
-            "Points beside the faces of a mesh that is not closed and in the boxes of its parts, at which the winding\n"
-            "number is looked at; else 0.")
-        .def_ro("doubtful_points", &Topology::doubtful_points,
-                "Of them those at which it is more than 0.1 from an integer.")
-        .def_ro("inside_points", &Topology::inside_points,
-                "Of them those at which it is one half or more, or minus one half or less.")
-        .def_ro("unclear_parts", &Topology::unclear_parts,
-                "Parts in which it is in doubt at more than a tenth of them, or at none inside.")
-        .def_ro("double_sided_faces", &Topology::double_sided_faces,
-                "Faces of bodies that are there on both sides; each counts once.")
-        .def_ro("doubled_cavity_faces", &Topology::doubled_cavity_faces,
-                "Faces of cavities that are there twice, so the cavities are filled.")
-        .def_ro("sheet_faces", &Topology::sheet_faces,
-                "Faces of sheets and inner walls beside closed bodies, left out for the sign.")
-        .def_ro("enclosing_faces", &Topology::enclosing_faces,
-                "Faces of open sheets that are not left out, because they enclose something.")
-        .def_ro("first_inner_wall_face", &Topology::first_inner_wall_face)
-        .def_ro("first_unclear_face", &Topology::first_unclear_face)
-        .def_ro("first_doubled_cavity_face", &Topology::first_doubled_cavity_face)
-        .def_ro("first_sheet_face", &Topology::first_sheet_face)
-        .def_ro("first_enclosing_face", &Topology::first_enclosing_face)
-        .def_ro("overlapping_parts", &Topology::overlapping_parts,
-                "Parts of a balanced mesh that are partly within others.")
-        .def_ro("first_overlapping_face", &Topology::first_overlapping_face, "The lowest face of the first of them.")
-        .def_ro("downward_faces", &Topology::downward_faces,
-                "Faces that look down, to smaller z: the rule 'below' takes none.")
-        .def_ro("first_downward_face", &Topology::first_downward_face, "The lowest of them.")
-        .def_ro("rim_loops", &Topology::rim_loops,
-                "Of a mesh that is not closed and has no downward_faces: loops of open edges.")
-        .def_ro("overlapping_rim_edges", &Topology::overlapping_rim_edges,
-                "Edges of these loops that cross others, seen from above, or at which the mesh lies twice.")
-        .def_ro("detail_parts", &Topology::detail_parts,
-                "Small open parts that are attached to the others and count as details of them; 0 if the mesh has its\n"
-                "sign without that.")
-        .def_ro("detail_faces", &Topology::detail_faces, "Their faces.")
-        .def_ro("first_detail_face", &Topology::first_detail_face, "The lowest of them.")
-        .def_ro("partial_faces", &Topology::partial_faces,
-                "Of a transform with surface='outer', else 0: faces of which parts are on the outer surface.")
-        .def_ro("hidden_faces", &Topology::hidden_faces, "Faces that are not on it at all.")
-        .def_ro("first_inward_face", &Topology::first_inward_face)
-        .def_ro("first_nested_face", &Topology::first_nested_face)
         .def("__getstate__", &state_of)
         .def("__setstate__",
              [](Topology& topology, const TopologyState& state) { new (&topology) Topology(topology_of(state)); })
@@ -340,6 +245,7 @@ void add_meshes(nb::module_& module) {
                    (topology.balanced ? ", balanced" : ", not balanced") +
                    (topology.inside_out ? ", inside out>" : ">");
         });
+    for (const TopologyCount& count : topology_counts) of_topology.def_ro(count.name, count.member, count.meaning);
     nb::class_<Defects>(module, "Defects",
                         "Defects of a mesh other than those of its edges. Vertices of equal coordinates count as one. "
                         "The distance is\n"

@@ -255,7 +255,8 @@ namespace {
 void refuse_unusable(const std::array<points::UnusablePoints, 2>& unusable, const points::UsableRange& range) {
     for (const points::UnusablePoints& of_kind : unusable) {
         const points::UnusablePoints& other = unusable[of_kind.are_finite ? 0 : 1];
-        if (of_kind.count > 0 && (other.count == 0 || of_kind.first < other.first)) points::refuse_unusable(of_kind, range);
+        if (of_kind.count > 0 && (other.count == 0 || of_kind.first < other.first))
+            points::refuse_unusable(of_kind, range);
     }
 }
 
