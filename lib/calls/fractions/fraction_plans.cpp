@@ -6,8 +6,8 @@
 #include "cutting/cancellation.hpp"
 #include "cutting/fraction_checks.hpp"
 #include "plans/fraction_plan_state.hpp"
-#include "targets/row_arrays.hpp"
 #include "targets/mapped_memory.hpp"
+#include "targets/row_arrays.hpp"
 
 #include <clsdf/device.hpp>
 #include <clsdf/error.hpp>
