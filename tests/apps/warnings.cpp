@@ -161,10 +161,11 @@ BOOST_AUTO_TEST_CASE(of_turned_faces_do_not_contradict_that_the_mesh_is_inside_o
 }
 
 BOOST_AUTO_TEST_CASE(of_a_weld_that_flattens_a_wall_name_the_length) {
-    const MeshFile file(plate(0.001));
+    // Beside a body that stays: that nothing is inside would be another warning.
+    const MeshFile file(together({plate(0.001), box({3, 0, 0}, {4, 1, 1})}, "a plate and a box"));
     const std::string text =
         check_two_lines({"compute", file.path, "--dry-run", "--weld", "0.002"},
-                        {"--weld 0.002: ", "lose their area", "0.004 to 0; ", "give a smaller one"});
+                        {"--weld 0.002: ", "lose their area", "1.004 to 1; ", "give a smaller one"});
     BOOST_TEST(text.find("volume changes from ") != std::string::npos, text);
     check_two_lines({"info", file.path, "--weld", "0.002"}, {"--weld 0.002: ", "give a smaller one"});
     const Outcome thick = run_command({"info", file.path, "--weld", "0.0005", "--quiet"}, no_devices);
