@@ -3,7 +3,7 @@
 #include "benchmarks/machine.hpp"
 #include "command.hpp"
 #include "devices.hpp"
-#include "option_values.hpp"
+#include "nearest_word.hpp"
 #include "report.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 #include "bench.hpp"
-#include "option_values.hpp"
+#include "nearest_word.hpp"
 #include "report.hpp"
 
 #include "benchmarks/papers.hpp"

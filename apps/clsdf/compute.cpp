@@ -7,6 +7,7 @@
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 #include "second_compiler.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -108,22 +109,20 @@ bool is_sparse(const ComputeOptions& options, const Band& band, clsdf::SignRule 
 
 Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
                     const std::optional<clsdf::Device>& named, std::optional<SecondCompiler>& second_compiler,
-                    Writer& writer, Report& report, const std::stop_token& stop) {
+                    Writer& writer, Report& report, const RunningCall& running) {
     Computation result;
-    ProgressBar progress(!report.quiet);
-
     const Stopwatch setup;
     const clsdf::Device device = named ? *named : open_device({}, report);
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
     transform_options.floor = request.floor;
     transform_options.surface = request.surface;
-    clsdf::CallOptions call = watched_call(progress, report, stop);
+    clsdf::CallOptions call = running.call;
     // The published methods are compared by their work. Kernels that count it are compiled beside the usual ones.
     call.count_work = report.json && request.scan != clsdf::Scan::bricks;
     call.progress = [&, watch = call.progress](const clsdf::Progress& step) {
         watch(step);
-        if (step.stage == clsdf::Progress::Stage::testing && second_compiler) second_compiler->wait(stop);
+        if (step.stage == clsdf::Progress::Stage::testing && second_compiler) second_compiler->wait(running.stop);
     };
     call.log = [&, log = call.log](const std::string& message) {
         const bool has_been_said = layout.surface == clsdf::Surface::given && message == layout.sign_warning;
@@ -138,7 +137,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     const std::string folder = device.record_folder();
     result.keeps_records = !folder.empty() && ::access(folder.c_str(), W_OK | X_OK) == 0;
     const double setup_seconds = setup.seconds();
-    progress.restart();
+    running.bar.restart();
 
     // Slab by slab: the next one is computed while one is written, so the memory does not limit the field.
     const Stopwatch compute;
@@ -186,22 +185,6 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     result.setup_seconds = std::max(0.0, setup_seconds - result.statistics.compile_seconds);
     result.field_seconds = compute.seconds();
     return result;
-}
-
-// The device ends in order. Its compiler may react to the same signals and fail; the reason is still the user's wish.
-Computation compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
-                                       const std::optional<clsdf::Device>& named,
-                                       std::optional<SecondCompiler>& second_compiler, Writer& writer, Report& report) {
-    const Interruption interruption;
-    try {
-        Computation computation =
-            compute(request, layout, named, second_compiler, writer, report, interruption.token());
-        interruption.finish();
-        return computation;
-    } catch (const Error&) {
-        interruption.finish();
-        throw;
-    }
 }
 
 ExitStatus run(const ComputeOptions& options, Report& report) {
@@ -281,7 +264,10 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
 
     // Opening and finishing may wait for the reader of a pipe or for a disk, so Ctrl-C ends the program at once there.
     Writer writer = make_writer(layout, options.output);
-    Computation computation = compute_unless_interrupted(request, layout, device, second_compiler, writer, report);
+    Computation computation;
+    run_call(report, {}, [&](const RunningCall& running) {
+        computation = compute(request, layout, device, second_compiler, writer, report, running);
+    });
     const Stopwatch finish;
     std::visit([](auto& of_field) { of_field.finish(); }, writer);
     output_is_written();

@@ -6,6 +6,7 @@
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 #include "scene_file.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -52,9 +53,7 @@ void refuse_options_of_meshes(const ComputeOptions& options, const ComputeReques
 
 clsdf::Field compute(const SceneFile& file, const SceneMeshes& meshes, const ComputeOptions& options,
                      const ComputeRequest& request, const clsdf::Device& device, Report& report,
-                     const std::stop_token& stop, clsdf::TransformStatistics& statistics, Json& bodies) {
-    ProgressBar progress(!report.quiet);
-    const clsdf::CallOptions call = watched_call(progress, report, stop);
+                     const clsdf::CallOptions& call, clsdf::TransformStatistics& statistics, Json& bodies) {
     const clsdf::Scene scene = make_scene(file, meshes, device, call, request.surface);
     bodies = describe(file, meshes, scene);
     if ((options.positive_inside || request.exact_signs) && !scene.has_sign())
@@ -112,14 +111,9 @@ ExitStatus compute_scene(const ComputeOptions& options, Report& report) {
     clsdf::TransformStatistics statistics;
     Json bodies;
     clsdf::Field field;
-    const Interruption interruption;
-    try {
-        field = compute(file, meshes, options, request, device, report, interruption.token(), statistics, bodies);
-        interruption.finish();
-    } catch (const Error&) {
-        interruption.finish();
-        throw;
-    }
+    run_call(report, {}, [&](const RunningCall& running) {
+        field = compute(file, meshes, options, request, device, report, running.call, statistics, bodies);
+    });
     const double seconds = std::max(0.0, watch.seconds() - statistics.compile_seconds);
     report.result = {{"mesh", file.path},
                      {"bodies", bodies},

@@ -1,9 +1,9 @@
 #include "devices.hpp"
 
 #include "command.hpp"
-#include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 #include "second_compiler.hpp"
 
 #include "core/stopwatch.hpp"
@@ -12,7 +12,6 @@
 #include <clsdf/clsdf.hpp>
 #include <clsdf/picture.hpp>
 #include <clsdf/tuning.hpp>
-#include <clsdf/turn_to_compile.hpp>
 
 #include <fmt/format.h>
 
@@ -49,12 +48,6 @@ clsdf::Device chosen_device(const std::string& choice) {
     }
 }
 
-/// Ends with the process at the latest.
-std::optional<clsdf::TurnToCompile>& turn_to_compile() {
-    static std::optional<clsdf::TurnToCompile> turn;
-    return turn;
-}
-
 }  // namespace
 
 clsdf::Device open_device(const std::string& choice) {
@@ -75,28 +68,6 @@ clsdf::Device open_device(const std::string& choice, Report& report) {
             "without this warning; {}: {}",
             info.name, device.name(), info.driver_file, info.why_not));
     return device;
-}
-
-bool is_first_use() {
-    std::error_code error;
-    const std::filesystem::directory_iterator files(clsdf::Device::default_record_folder(), error);
-    return std::ranges::none_of(files, [](const auto& file) { return file.path().extension() == ".tested"; });
-}
-
-void take_turn_to_compile(const Report& report, const std::stop_token& stop) {
-    constexpr double silence = 2, longest_wait = 30;  // seconds
-    static bool has_asked = false;
-    if (std::exchange(has_asked, true) || !is_first_use()) return;
-    bool has_told = false;
-    turn_to_compile().emplace(clsdf::Device::default_record_folder(), [&](double seconds) {
-        if (seconds > silence && !std::exchange(has_told, true))
-            report.print("waiting for another process that compiles programs, {:.0f} s at most\n", longest_wait);
-        return seconds < longest_wait && !stop.stop_requested();
-    });
-}
-
-void end_turn_to_compile() {
-    turn_to_compile().reset();
 }
 
 bool specialises_at_launch(const clsdf::Device& device) {
@@ -127,14 +98,14 @@ struct Step {
 
 class Preparation {
 public:
-    Preparation(Report& report, const clsdf::Device& device, const std::stop_token& stop)
-        : report_(report), device_(device), stop_(stop), mesh_(clsdf::make_shape("cube")) {}
+    Preparation(const RunningCall& running, const clsdf::Device& device)
+        : running_(running), device_(device), mesh_(clsdf::make_shape("cube")) {}
 
     Step compile(const Call& call) {
-        ProgressBar progress(!report_.quiet);
-        clsdf::CallOptions watched = watched_call(progress, report_, stop_);
+        clsdf::CallOptions watched = running_.call;
+        running_.bar.restart();
         watched.progress = [&](const clsdf::Progress& step) {
-            progress.show(fmt::format("{}: {}", call.name, text_of(step)));
+            running_.bar.show(fmt::format("{}: {}", call.name, text_of(step)));
         };
         const Stopwatch watch;
         const clsdf::DistanceTransform transform(device_, mesh_, {}, watched);
@@ -156,17 +127,18 @@ public:
         for (std::size_t n = 0; n < distance.size(); ++n) distance[n] = n < distance.size() / 2 ? -1.0F : 1.0F;
         clsdf::picture::SurfaceOptions options;
         options.width = options.height = 16;
-        options.should_stop = [this] { return stop_.stop_requested(); };
+        options.should_stop = running_.call.should_stop;
         clsdf::picture::SurfacePictures(field, device_).hits(options);
         return {"render", watch.seconds()};
     }
 
     /// More than a few points are looked up one by one, many in groups, on processors by another program, too.
     Step query() {
-        ProgressBar progress(!report_.quiet);
-        clsdf::CallOptions watched = watched_call(progress, report_, stop_);
+        clsdf::CallOptions watched = running_.call;
+        running_.bar.restart();
         watched.progress = [&](const clsdf::Progress& step) {
-            if (step.stage != clsdf::Progress::Stage::computing) progress.show(fmt::format("query: {}", text_of(step)));
+            if (step.stage != clsdf::Progress::Stage::computing)
+                running_.bar.show(fmt::format("query: {}", text_of(step)));
         };
         const Stopwatch watch;
         const clsdf::DistanceTransform transform(device_, mesh_, {}, watched);
@@ -179,9 +151,8 @@ public:
     }
 
 private:
-    Report& report_;
+    const RunningCall& running_;
     clsdf::Device device_;
-    std::stop_token stop_;
     clsdf::Mesh mesh_;
 };
 
@@ -192,9 +163,10 @@ clsdf::Device open_to_write(const std::string& choice) {
     return device;
 }
 
-Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const std::stop_token& stop) {
+Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const RunningCall& running) {
     Json steps = Json::array();
     const auto add = [&](const Step& step) {
+        running.bar.clear();
         report.print("   {:<30}  {:6.2f} s{}\n", step.name, step.seconds, step.is_tested ? ", tested" : "");
         steps.push_back({{"name", step.name}, {"seconds", step.seconds}, {"tested", step.is_tested}});
     };
@@ -208,7 +180,7 @@ Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const st
     } else {
         second_compiler.emplace(index, std::vector<std::string>{"--prepare"});
     }
-    Preparation launches(report, launching, stop), preparation(report, writing, stop);
+    Preparation launches(running, launching), preparation(running, writing);
     const Stopwatch watch;
     if (specialises_at_launch(writing)) {
         // So that the binaries have what launches need.
@@ -221,7 +193,7 @@ Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const st
     Step first = preparation.compile(calls[0]);
     first.seconds = watch.seconds();
     add(first);
-    if (second_compiler) second_compiler->wait(stop);
+    if (second_compiler) second_compiler->wait(running.stop);
     add(preparation.compile(calls[1]));
     add(preparation.query());
     try {
@@ -235,62 +207,37 @@ Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const st
 
 }  // namespace
 
-std::string text_of(const clsdf::Progress& compiling) {
-    return fmt::format("compiling kernels {} of {}", compiling.step, compiling.steps);
-}
-
-void show(ProgressBar& bar, const clsdf::Progress& progress) {
-    if (progress.stage == clsdf::Progress::Stage::computing)
-        bar.show(progress.fraction);
-    else
-        bar.show(text_of(progress));
-}
-
-clsdf::CallOptions watched_call(ProgressBar& bar, Report& report, std::stop_token stop) {
-    clsdf::CallOptions call;
-    call.progress = [&bar, &report, stop](const clsdf::Progress& progress) {
-        if (progress.stage == clsdf::Progress::Stage::computing)
-            end_turn_to_compile();
-        else
-            take_turn_to_compile(report, stop);
-        show(bar, progress);
-    };
-    call.should_stop = [stop = std::move(stop)] { return stop.stop_requested(); };
-    call.log = [&bar, &report](const std::string& message) {
-        bar.clear();
-        report.warn(message);
-    };
-    return call;
-}
-
 void prepare_ahead(Report& report, const clsdf::Device& launching) {
-    const Interruption interruption;
-    const clsdf::Device writing = open_to_write(std::to_string(launching.info().index));
-    Preparation launches(report, launching, interruption.token()), preparation(report, writing, interruption.token());
-    clsdf::tuning::compile_bricks(launching, clsdf::Output::triangle);
-    launches.query();
-    launches.render();
-    // Queries first: the other process needs one of their programs, too, but later.
-    preparation.query();
-    clsdf::tuning::compile_bricks(writing, clsdf::Output::triangle);
-    preparation.render();
+    const CallErrors errors{.cancelled = "the computation was cancelled", .work_writes = true};
+    run_call(report, errors, [&](const RunningCall& running) {
+        const clsdf::Device writing = open_to_write(std::to_string(launching.info().index));
+        Preparation launches(running, launching), preparation(running, writing);
+        clsdf::tuning::compile_bricks(launching, clsdf::Output::triangle);
+        launches.query();
+        launches.render();
+        // Queries first: the other process needs one of their programs, too, but later.
+        preparation.query();
+        clsdf::tuning::compile_bricks(writing, clsdf::Output::triangle);
+        preparation.render();
+    });
 }
 
 void prepare(Report& report, const std::vector<clsdf::DeviceInfo>& devices, bool again) {
-    const Interruption interruption;
     std::optional<clsdf::Error> failure;
     report.result["prepared"] = Json::array();
-    for (const clsdf::DeviceInfo& info : devices) {
-        try {
-            report.result["prepared"].push_back(prepare(report, info, again, interruption.token()));
-        } catch (const clsdf::Error& error) {
-            // The compilers of some devices react to the same signals and fail; the reason is the user's wish.
-            if (interruption.token().stop_requested())
-                throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; programs that are compiled are kept");
-            if (failure) report.warn(failure->what());
-            failure = error;
+    const CallErrors errors{.cancelled = "cancelled; programs that are compiled are kept", .work_writes = true};
+    run_call(report, errors, [&](const RunningCall& running) {
+        for (const clsdf::DeviceInfo& info : devices) {
+            try {
+                report.result["prepared"].push_back(prepare(report, info, again, running));
+            } catch (const clsdf::Error& error) {
+                if (running.stop.stop_requested()) throw;
+                running.bar.clear();
+                if (failure) report.warn(failure->what());
+                failure = error;
+            }
         }
-    }
+    });
     if (failure) throw clsdf::Error(*failure);
 }
 

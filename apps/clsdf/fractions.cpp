@@ -1,10 +1,10 @@
 #include "command.hpp"
 #include "compute.hpp"
-#include "devices.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "outer_surface.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 
 #include "core/files.hpp"
 #include "core/stopwatch.hpp"
@@ -63,23 +63,15 @@ ExitStatus run(const FractionChoice& choice, Report& report) {
     const clsdf::Stopwatch watch;
     std::optional<OuterOfFiles> outer;
     clsdf::Grid grid;
-    const clsdf::Fractions found = [&] {
-        const Interruption interruption;
-        try {
-            ProgressBar progress(!report.quiet);
-            const clsdf::CallOptions call = watched_call(progress, report, interruption.token());
-            outer = outer_of_files(own.mesh, own.reading, own.sign, own.output, call, report);
-            grid = request.grid_around(outer->box);
-            report.warn(warning_of_size(grid, outer->box));
-            require_memory_of_cells(own.output, grid);
-            clsdf::Fractions fractions = clsdf::fractions(outer->surface, grid, options_of(choice), call);
-            interruption.finish();
-            return fractions;
-        } catch (const clsdf::Error& error) {
-            interruption.finish();
-            throw with_remedy(own, error);
-        }
-    }();
+    clsdf::Fractions found;
+    run_call(report, {.explain = [&](const clsdf::Error& error) { return with_remedy(own, error); }},
+             [&](const RunningCall& running) {
+                 outer = outer_of_files(own.mesh, own.reading, own.sign, own.output, running.call, report);
+                 grid = request.grid_around(outer->box);
+                 report.warn(warning_of_size(grid, outer->box));
+                 require_memory_of_cells(own.output, grid);
+                 found = clsdf::fractions(outer->surface, grid, options_of(choice), running.call);
+             });
     const clsdf::OuterSurface& surface = outer->surface;
     const double seconds = watch.seconds();
     clsdf::write_fractions(found, own.output);

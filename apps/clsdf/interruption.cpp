@@ -147,10 +147,10 @@ Interruption::Interruption() {
     active = &source_;
 }
 
-void Interruption::finish() const {
+void Interruption::finish(const std::string& message) const {
     const std::lock_guard lock(mutex);
     active = nullptr;
-    if (token().stop_requested()) throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; nothing was written");
+    if (token().stop_requested()) throw clsdf::Error(clsdf::ErrorCode::cancelled, message);
 }
 
 Interruption::~Interruption() {

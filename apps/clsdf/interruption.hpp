@@ -1,6 +1,7 @@
 #pragma once
 
 #include <stop_token>
+#include <string>
 
 /// From now on Ctrl-C (SIGINT), SIGTERM and SIGHUP end the process at any time with the message and the exit status of
 /// a cancellation, and leave no incomplete file. `json`: also prints the error as JSON on standard output. A SIGHUP
@@ -32,8 +33,8 @@ public:
     std::stop_token token() const { return source_.get_token(); }
 
     /// Call it after a computation, failed or not: a signal may have arrived after the last look at the token, or have
-    /// made a compiler fail. Throws Error(cancelled) if there was one. A later one ends the process.
-    void finish() const;
+    /// made a compiler fail. Throws Error(cancelled) with the message if there was one. A later one ends the process.
+    void finish(const std::string& message) const;
 
 private:
     std::stop_source source_;

@@ -1,7 +1,7 @@
 #include "command.hpp"
 #include "commit.hpp"
 #include "interruption.hpp"
-#include "option_values.hpp"
+#include "nearest_word.hpp"
 #include "report.hpp"
 #include "subcommands.hpp"
 

@@ -1,7 +1,6 @@
 #include "option_values.hpp"
 
 #include "core/files.hpp"
-#include "tools/text.hpp"
 
 #include <clsdf/mesh_files.hpp>
 
@@ -14,25 +13,6 @@
 #include <string>
 #include <string_view>
 #include <system_error>
-
-std::string nearest_word(const std::string& word, const std::vector<std::string>& known) {
-    std::string nearest;
-    // If more than a third of the letters differ, it is another word, not a mistyped one.
-    std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
-    for (const std::string& candidate : known) {
-        const bool is_beginning = word.size() > 3 && candidate.starts_with(word);
-        const std::size_t distance = is_beginning ? 0 : clsdf::edit_distance(word, candidate);
-        if (distance < least && distance < candidate.size()) {
-            least = distance;
-            nearest = candidate;
-        }
-    }
-    return nearest;
-}
-
-std::string did_you_mean(const std::string& word) {
-    return word.empty() ? std::string() : "; did you mean " + word + '?';
-}
 
 void keep_input(const std::string& input, const std::string& output, const std::string& what) {
     std::error_code ignored;

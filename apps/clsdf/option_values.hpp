@@ -27,13 +27,6 @@
 #include <string_view>
 #include <vector>
 
-/// The known word that was probably meant: one that begins with the word, or else the nearest one. Empty if none is
-/// near.
-std::string nearest_word(const std::string& word, const std::vector<std::string>& known);
-
-/// "; did you mean WORD?", or nothing if there is no word.
-std::string did_you_mean(const std::string& word);
-
 /// Throws Error(invalid_argument) if the output is the input under this or another name. `what` is "mesh".
 void keep_input(const std::string& input, const std::string& output, const std::string& what);
 

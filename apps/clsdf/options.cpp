@@ -1,6 +1,6 @@
 #include "options.hpp"
 
-#include "option_values.hpp"
+#include "nearest_word.hpp"
 
 #include "core/real_numbers.hpp"
 

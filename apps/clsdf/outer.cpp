@@ -1,10 +1,10 @@
 #include "command.hpp"
 #include "compute.hpp"
-#include "devices.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "outer_surface.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,23 +28,14 @@ struct OuterOptions {
 
 ExitStatus run(const OuterOptions& options, Report& report) {
     clsdf::check_mesh_path(options.output);
-    const OuterOfFiles found = [&] {
-        const Interruption interruption;
-        try {
-            ProgressBar progress(!report.quiet);
-            OuterOfFiles of_files = outer_of_files(options.mesh, options.reading, options.sign, options.output,
-                                                   watched_call(progress, report, interruption.token()), report);
-            interruption.finish();
-            return of_files;
-        } catch (const clsdf::Error&) {
-            interruption.finish();
-            throw;
-        }
-    }();
-    const clsdf::OuterSurface& surface = found.surface;
+    std::optional<OuterOfFiles> found;
+    run_call(report, {}, [&](const RunningCall& running) {
+        found = outer_of_files(options.mesh, options.reading, options.sign, options.output, running.call, report);
+    });
+    const clsdf::OuterSurface& surface = found->surface;
     clsdf::write_mesh(surface, options.output);
     output_is_written();
-    report.print("mesh    {}: {} vertices, {} triangles\n", found.name, found.vertices, found.triangles);
+    report.print("mesh    {}: {} vertices, {} triangles\n", found->name, found->vertices, found->triangles);
     report.print("outer   {} vertices, {} triangles; of the faces as given {} are whole, {} in part, {} hidden\n",
                  surface.mesh.vertices().size(), surface.mesh.triangles().size(), surface.whole_faces,
                  surface.partial_faces, surface.hidden_faces);

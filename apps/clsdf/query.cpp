@@ -3,6 +3,7 @@
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 #include "scene_file.hpp"
 
 #include "core/stopwatch.hpp"
@@ -112,11 +113,10 @@ void find_in_scene(const QueryOptions& options, const clsdf::Device& device, con
     for (const double sum : sums) found.winding.push_back(static_cast<float>(sum));
 }
 
-void find(const QueryOptions& options, const clsdf::Device& device, const Asked& asked, std::span<const Vec3> points,
-          double half_width, Report& report, const std::stop_token& stop, Found& found) {
-    ProgressBar progress(!report.quiet);
+Found find(const QueryOptions& options, const clsdf::Device& device, const Asked& asked, std::span<const Vec3> points,
+           double half_width, clsdf::CallOptions call) {
+    Found found;
     const clsdf::TransformOptions transform_options = transform_options_of(options.sign);
-    clsdf::CallOptions call = watched_call(progress, report, stop);
     call.refuse_unusable_points = options.refuse_unusable_points;
     for (const clsdf::OutputInfo& info : clsdf::output_table())
         if (outputs_of(options, asked).contains(info.output)) found.values.resize(info.output, points.size());
@@ -137,23 +137,7 @@ void find(const QueryOptions& options, const clsdf::Device& device, const Asked&
     found.seconds = std::max(0.0, watch.seconds() - found.statistics.compile_seconds);
     found.device_name = device.name();
     found.device_platform = device.platform();
-}
-
-Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& device, const Asked& asked,
-                              std::span<const Vec3> points, double half_width, Report& report) {
-    const Interruption interruption;
-    try {
-        Found found;
-        find(options, device, asked, points, half_width, report, interruption.token(), found);
-        interruption.finish();
-        return found;
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory,
-                    fmt::format("the outputs of {} points do not fit the memory; divide the points", points.size()));
-    } catch (const Error& error) {
-        interruption.finish();
-        throw with_file(error, "point ", options.points());
-    }
+    return found;
 }
 
 ExitStatus run(const QueryOptions& options, Report& report) {
@@ -172,7 +156,12 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     const clsdf::Mesh& mesh = asked.mesh();
     const clsdf::FaceGroups* const groups = wants_groups(options.with, mesh) ? &mesh.groups() : nullptr;
 
-    Found found = find_unless_interrupted(options, device, asked, points, half_width, report);
+    Found found;
+    run_call(
+        report,
+        {.explain = [&](const Error& error) { return with_file(error, "point ", options.points()); },
+         .too_large = fmt::format("the outputs of {} points do not fit the memory; divide the points", points.size())},
+        [&](const RunningCall& running) { found = find(options, device, asked, points, half_width, running.call); });
     if (options.positive_inside && asked.scene && !found.has_sign)
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("{}: no body has a sign, and --positive-inside needs one: leave that out, or choose "

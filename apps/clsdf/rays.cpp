@@ -3,6 +3,7 @@
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 
 #include "core/stopwatch.hpp"
 
@@ -15,7 +16,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <new>
 
 namespace {
 
@@ -49,11 +49,10 @@ struct Found {
     double seconds = 0;
 };
 
-void find(const RayCallOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
-          const clsdf::RayRows& rays, Report& report, const std::stop_token& stop, Found& found) {
-    ProgressBar progress(!report.quiet);
+Found find(const RayCallOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
+           const clsdf::RayRows& rays, clsdf::CallOptions call) {
+    Found found;
     const clsdf::TransformOptions transform_options = transform_options_of(options.sign);
-    clsdf::CallOptions call = watched_call(progress, report, stop);
     call.refuse_unusable_points = options.refuse_unusable_rays;
     const std::size_t count = rays.origins.size();
     found.t.resize(count * options.most);
@@ -70,23 +69,7 @@ void find(const RayCallOptions& options, const clsdf::Device& device, const clsd
     found.statistics =
         transform.rays(rays.origins, rays.directions, {parse_hits(options.hits), options.limit}, targets, call);
     found.seconds = watch.seconds();
-}
-
-Found find_unless_interrupted(const RayCallOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
-                              const clsdf::RayRows& rays, Report& report) {
-    const Interruption interruption;
-    try {
-        Found found;
-        find(options, device, mesh, rays, report, interruption.token(), found);
-        interruption.finish();
-        return found;
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory,
-                    fmt::format("the hits of {} rays do not fit the memory; divide the rays", rays.origins.size()));
-    } catch (const Error& error) {
-        interruption.finish();
-        throw with_file(error, "ray ", options.rays());
-    }
+    return found;
 }
 
 ExitStatus run(const RayCallOptions& options, Report& report) {
@@ -101,8 +84,12 @@ ExitStatus run(const RayCallOptions& options, Report& report) {
     const double read_seconds = read.seconds();
     const clsdf::FaceGroups* const groups = wants_groups(options.with, mesh) ? &mesh.groups() : nullptr;
 
-    const Found found = find_unless_interrupted(options, device, mesh, rays, report);
     const std::size_t count = rays.origins.size();
+    Found found;
+    run_call(report,
+             {.explain = [&](const Error& error) { return with_file(error, "ray ", options.rays()); },
+              .too_large = fmt::format("the hits of {} rays do not fit the memory; divide the rays", count)},
+             [&](const RunningCall& running) { found = find(options, device, mesh, rays, running.call); });
     std::size_t hit = 0;
     for (std::size_t i = 0; i < count; ++i) hit += std::isfinite(found.t[i * options.most]) ? 1U : 0U;
     const Stopwatch write;

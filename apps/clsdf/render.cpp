@@ -3,6 +3,7 @@
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 
 #include "core/real_numbers.hpp"
 
@@ -109,28 +110,24 @@ ExitStatus run(RenderOptions options, Report& report) {
     keep_input(options.field, options.output, "field");
     clsdf::Field field = clsdf::read_field(options.field, {});
     make_negative_inside(field, options.positive_inside, options.field);
-    const Interruption interruption;
-    ProgressBar progress(!report.quiet);
-    options.picture.should_stop = [&interruption] { return interruption.token().stop_requested(); };
-    options.picture.progress = [&](double fraction) { progress.show(fraction); };
     double level = 0;
     clsdf::picture::Axis upright{};
     std::string device_name;
-    try {
-        const clsdf::Device device = open_device(options.device, report);
-        const SurfacePictures pictures(field, device, offset);
-        level = pictures.offset();
-        upright = pictures.upright();
-        device_name = device.name();  // it may fail, and then no picture is there
-        pictures.write(options.picture, options.output);
-    } catch (const Error& error) {
-        // The compilers of some devices react to the same signals and fail; the reason is the user's wish.
-        if (interruption.token().stop_requested())
-            throw Error(ErrorCode::cancelled, "cancelled; no picture was written");
-        throw with_file(error, "field: ", options.field);
-    }
-    progress.clear();
-    output_is_written();
+    run_call(report,
+             {.explain = [&](const Error& error) { return with_file(error, "field: ", options.field); },
+              .cancelled = "cancelled; no picture was written",
+              .work_writes = true},
+             [&](const RunningCall& running) {
+                 options.picture.should_stop = running.call.should_stop;
+                 options.picture.progress = [&](double fraction) { running.bar.show(fraction); };
+                 const clsdf::Device device = open_device(options.device, report);
+                 const SurfacePictures pictures(field, device, offset);
+                 level = pictures.offset();
+                 upright = pictures.upright();
+                 device_name = device.name();  // it may fail, and then no picture is there
+                 pictures.write(options.picture, options.output);
+                 output_is_written();
+             });
     report.print("wrote {}{}\n", options.output,
                  options.picture.view.up ? "" : fmt::format(", {} upwards (--up)", name_of(upright)));
     report.result = {{"field", options.field}, {"grid", describe(field.grid)},

@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+/// The subcommand that the process runs.
+inline constexpr const char* compile_ahead = "compile-ahead";
+
 /// A second process that compiles programs while this one compiles others: PoCL compiles one program at a time in a
 /// process, and keeps programs on disk for all. It prints nothing, does no harm if it fails, and ends with this object.
 class SecondCompiler {

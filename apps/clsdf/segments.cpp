@@ -1,9 +1,9 @@
 #include "segments.hpp"
 
 #include "devices.hpp"
-#include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 
 #include "core/stopwatch.hpp"
 
@@ -52,22 +52,16 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
     run.grid = request.grid_around(run.box);
     report.warn(warning_of_size(run.grid, run.box));
     run.device = device.name();
-    const Interruption interruption;
-    try {
-        ProgressBar progress(!report.quiet);
-        const clsdf::CallOptions call = watched_call(progress, report, interruption.token());
-        const clsdf::Stopwatch watch;
-        const clsdf::DistanceTransform transform(device, *mesh, transform_options_of(own.sign), call);
-        mesh.reset();  // the transform has a copy
-        run.sign = transform.sign();
-        clsdf::TransformStatistics statistics;
-        find(transform, run.grid, call, statistics);
-        run.seconds = std::max(0.0, watch.seconds() - statistics.compile_seconds);
-        interruption.finish();
-    } catch (const clsdf::Error& error) {
-        interruption.finish();
-        throw with_remedy(own, error);
-    }
+    run_call(report, {.explain = [&](const clsdf::Error& error) { return with_remedy(own, error); }},
+             [&](const RunningCall& running) {
+                 const clsdf::Stopwatch watch;
+                 const clsdf::DistanceTransform transform(device, *mesh, transform_options_of(own.sign), running.call);
+                 mesh.reset();  // the transform has a copy
+                 run.sign = transform.sign();
+                 clsdf::TransformStatistics statistics;
+                 find(transform, run.grid, running.call, statistics);
+                 run.seconds = std::max(0.0, watch.seconds() - statistics.compile_seconds);
+             });
     if (!report.quiet) {
         report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(own.mesh), vertices, triangles);
         if (run.groups) report.print("groups  {}\n", human(*run.groups));

@@ -2,6 +2,7 @@
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "run_call.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
@@ -42,18 +43,19 @@ std::string numbered(const std::string& path, std::int64_t index, std::int64_t c
 }
 
 std::vector<std::string> write_all(const SlicePictures& pictures, Axis axis, std::int64_t count,
-                                   const std::string& path, bool quiet) {
+                                   const std::string& path, Report& report) {
     std::vector<std::string> files;
-    const Interruption interruption;
-    ProgressBar progress(!quiet);
-    for (std::int64_t index = 0; index < count; ++index) {
-        if (interruption.token().stop_requested())
-            throw clsdf::Error(clsdf::ErrorCode::cancelled,
-                               fmt::format("cancelled; {} of {} pictures were written", index, count));
-        files.push_back(numbered(path, index, count));
-        pictures.write_slice({axis, index}, files.back());
-        progress.show(static_cast<double>(index + 1) / static_cast<double>(count));
-    }
+    std::int64_t index = 0;
+    run_call(report, {.work_writes = true}, [&](const RunningCall& running) {
+        for (; index < count && !running.stop.stop_requested(); ++index) {
+            files.push_back(numbered(path, index, count));
+            pictures.write_slice({axis, index}, files.back());
+            running.bar.show(static_cast<double>(index + 1) / static_cast<double>(count));
+        }
+    });
+    if (index < count)
+        throw clsdf::Error(clsdf::ErrorCode::cancelled,
+                           fmt::format("cancelled; {} of {} pictures were written", index, count));
     return files;
 }
 
@@ -67,8 +69,7 @@ ExitStatus run(const SliceOptions& options, Report& report) {
 
     std::vector<std::string> files{options.output};
     if (options.all) {
-        files =
-            write_all(pictures, axis, field.grid.size[static_cast<std::size_t>(axis)], options.output, report.quiet);
+        files = write_all(pictures, axis, field.grid.size[static_cast<std::size_t>(axis)], options.output, report);
     } else if (options.mosaic) {
         pictures.write_mosaic(
             {pictures.middle(Axis::x).index, pictures.middle(Axis::y).index, pictures.middle(Axis::z).index},
