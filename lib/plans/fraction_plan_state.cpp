@@ -50,7 +50,7 @@ StoredRows::StoredRows(const FractionRows& rows, const Grid& grid, const device:
     };
     const targets::RowArrays<CellColumn> arrays(cell_columns, rows, array_of);
     arrays.add_to(written);
-    const std::vector<CellFraction> one(1);  // for the places of its members
+    static const std::vector<CellFraction> one(1);  // for the places of its members
     arrays.for_each_given([&](std::size_t n, const ResultArray& array) {
         if (rows.room == 0) return;
         const std::byte* const member = cell_columns[n].values(one).first;

@@ -62,6 +62,6 @@ if(CLSDF_TEST_PYTHON)
     set_tests_properties(held PROPERTIES LABELS build)
   endif()
   add_test(NAME c_names COMMAND ${CLSDF_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/c_names.py ${PROJECT_SOURCE_DIR}/lib/include/clsdf
-                                ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp openvdb.hpp scene.hpp)
+                                ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp openvdb.hpp row_tables.hpp scene.hpp)
   set_tests_properties(c_names PROPERTIES LABELS bindings)
 endif()

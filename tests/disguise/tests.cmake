@@ -81,7 +81,8 @@ set_tests_properties(cuda_arrays_without_semaphores PROPERTIES LABELS "cuda;disg
 
 clsdf_with_cuda_stand_in(code_for_amrex_cuda memory+semaphores)
 
-# What jobs ask of a device, and their memory. CLSDF_WRITE_COUNTS=1 writes the numbers into work_counts.tsv.
+# What jobs ask of a device, and their memory. CLSDF_WRITE_COUNTS=1 writes the numbers into work_counts.tsv. They are those
+# of vectors of eight floats on every processor.
 clsdf_test_program(disguise_work_counts work_counts.cpp host_memory.cpp)
 target_link_libraries(test_disguise_work_counts PRIVATE clsdf_disguise OpenCL::OpenCL)
 target_compile_definitions(test_disguise_work_counts PRIVATE CLSDF_SOURCE="${PROJECT_SOURCE_DIR}")
@@ -89,7 +90,7 @@ foreach(device processor gpu)
   set(name disguise_work_counts_${device})
   add_test(NAME ${name} COMMAND test_disguise_work_counts --color_output=no)
   clsdf_between(${name})
-  set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT CLSDF_DISGUISE=${device} CLSDF_SELF_TEST=0)
+  set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT CLSDF_DISGUISE=${device} CLSDF_SELF_TEST=0 CLSDF_MAX_FLOAT_WIDTH=8)
   set_tests_properties(${name} PROPERTIES RESOURCE_LOCK work_counts LABELS "disguise;bricks;points;scenes;segments;cutting;plans")
 endforeach()
 
