@@ -41,7 +41,7 @@ public:
         const auto common = std::ranges::count_if(triangles_[first], [&](std::uint32_t v) {
             return std::ranges::find(triangles_[second], v) != triangles_[second].end();
         });
-        if (common % 2 != 0) return;
+        if (common == 3) return;
         if (surface_.count(first) == 0 || surface_.count(second) == 0) return;
         const Vec3 normal = outward(first), of_other = outward(second);
         if (dot(normal, of_other) > -0.999 * length(normal) * length(of_other)) return;
@@ -50,28 +50,29 @@ public:
             if (farthest > (common > 0 ? gap_width : gap_margin) || !are_in_front(moved, fixed) ||
                 !overlap(first, second))
                 continue;
-            gaps.push_back({moved, fixed, farthest <= gap_width, common > 0});
+            gaps.push_back({moved, fixed, farthest <= gap_width, common == 2});
             return;
         }
     }
 
     /// Divides the quadrilateral of a face along the diagonal of the one that lies on it. face_of: by sorted vertices.
-    void divide_alike(const Gap& gap, const std::map<Triangle, std::uint32_t>& face_of) {
+    /// Returns whether it did.
+    bool divide_alike(const Gap& gap, const std::map<Triangle, std::uint32_t>& face_of) {
         const Triangle given = triangles_[gap.fixed], own = triangles_[gap.moved];
         std::uint32_t theirs = none, ours = none;  // vertices of one alone
         for (std::size_t k = 0; k < 3; ++k) {
             if (std::ranges::find(own, given[k]) == own.end()) theirs = given[k];
             if (std::ranges::find(given, own[k]) == given.end()) ours = own[k];
         }
-        if (theirs == none || ours == none) return;  // they are alike already
-        std::vector<std::uint32_t> others;           // the other halves: one has the diagonal of each
+        if (theirs == none || ours == none) return false;  // they are alike already
+        std::vector<std::uint32_t> others;                 // the other halves: one has the diagonal of each
         for (const std::uint32_t common : given) {
             if (common == theirs) continue;
             const Triangle half = sorted({common, theirs, ours});
             const auto found = face_of.find(half);
             if (found != face_of.end() && sorted(triangles_[found->second]) == half) others.push_back(found->second);
         }
-        if (others.size() != 2) return;
+        if (others.size() != 2) return false;
         // The half of `given` runs along their diagonal in the other direction.
         const auto runs = [](const Triangle& face, std::uint32_t from, std::uint32_t to) {
             for (std::size_t k = 0; k < 3; ++k)
@@ -92,8 +93,9 @@ public:
             triangles_[gap.moved] = {given[0], given[2], given[1]};
             const Triangle half = triangles_[of_given];
             triangles_[of_own] = {half[0], half[2], half[1]};
-            return;
+            return true;
         }
+        return false;
     }
 
     /// Moves the corners that are in front. Returns whether all of them could be moved.
@@ -199,9 +201,12 @@ ClosedGaps close_gaps(std::vector<Vec3>& vertices, std::vector<Triangle>& triang
         for (const Gap& gap : gaps)
             for (const std::uint32_t face : {gap.moved, gap.fixed}) face_of.emplace(sorted(triangles[face]), face);
         for (const Gap& gap : gaps)
-            if (gap.has_common_edge) all.divide_alike(gap, face_of);
-        std::erase_if(gaps, &Gap::has_common_edge);
-        result.is_changed = true;
+            if (gap.has_common_edge && all.divide_alike(gap, face_of)) result.is_changed = true;
+        if (result.is_changed) {
+            std::vector<Gap> left;
+            for (const Gap& gap : gaps) all.find(std::min(gap.moved, gap.fixed), std::max(gap.moved, gap.fixed), left);
+            gaps = std::move(left);
+        }
     }
     std::vector<Vec3> first_moves(vertices.size());
     result.is_moved.resize(vertices.size());

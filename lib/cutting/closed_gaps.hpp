@@ -23,11 +23,13 @@ struct ClosedGaps {
     std::size_t left = 0;        ///< pairs of faces that are nearer than 1e-9, and stay apart
 };
 
+/// Faces that are nearer to each other than that are told of.
+inline constexpr double gap_margin = 1e-9;
+
 /// Closes gaps that are no wider than gap_width: the corners of one face are moved along the other one's normal until
 /// they are on its plane or behind it, so that the bodies overlap by a rounding. A quadrilateral that two bodies have
 /// in common, and that is flat but for rounding, is divided along one diagonal in both. vertices: the largest
 /// coordinate is between 1/2 and 1. boxes: of the faces, widened by gap_margin. are_inside_out: faces look inwards.
-inline constexpr double gap_margin = 1e-9;
 ClosedGaps close_gaps(std::vector<Vec3>& vertices, std::vector<Triangle>& triangles, const FaceBoxes& boxes,
                       const SignSurface& surface, bool are_inside_out, const Cancellation& cancellation);
 

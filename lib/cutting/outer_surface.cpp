@@ -13,8 +13,11 @@
 #include "cutting/piece_sites.hpp"
 #include "cutting/plane_patches.hpp"
 #include "cutting/rejoined.hpp"
+#include "mesh/disjoint_sets.hpp"
 #include "mesh/equal_vertices.hpp"
+#include "mesh/one_rings.hpp"
 #include "surface/corners_in_edges.hpp"
+#include "surface/parts.hpp"
 #include "surface/topology.hpp"
 
 #include <fmt/format.h>
@@ -156,6 +159,26 @@ void measure(OuterSurface& surface) {
     surface.area = static_cast<double>(area / 2);
 }
 
+/// Whether all faces are joined over edges of two.
+bool are_one_piece(std::span<const Triangle> triangles, std::size_t vertex_count) {
+    const OneRings rings(triangles, vertex_count);
+    DisjointSets sets(triangles.size());
+    std::vector<EdgeEntry> entries;
+    for (std::uint32_t vertex = 0; vertex < vertex_count; ++vertex) {
+        edges_above(triangles, rings, vertex, entries);
+        for_each_edge(entries, [&](std::span<const EdgeEntry> faces) {
+            if (faces.size() == 2) sets.join(faces[0].edge().face, faces[1].edge().face);
+        });
+    }
+    std::optional<std::uint32_t> first;
+    for (std::uint32_t face = 0; face < triangles.size(); ++face) {
+        if (has_repeated_vertex(triangles[face])) continue;
+        if (!first) first = sets.root(face);
+        if (sets.root(face) != *first) return false;
+    }
+    return true;
+}
+
 /// Whether the kept pieces are the faces as given, all of them.
 bool are_all_faces(std::span<const Piece> pieces, std::span<const Fate> fates, const SignSurface& surface,
                    std::span<const Triangle> triangles) {
@@ -266,7 +289,7 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
         triangles.push_back({surface.vertex(a), surface.vertex(b), surface.vertex(c)});
     std::vector<View> views = cutting::views_of(scaled, triangles);
     std::vector<bool> is_moved;
-    const bool has_parts = topology.parts > 1;
+    const bool has_parts = topology.parts > 1 || !are_one_piece(triangles, scaled.size());
     cutting::FaceBoxes boxes(scaled, triangles, views, has_parts ? cutting::gap_margin / 2 : 0);
     if (has_parts) {
         cutting::ClosedGaps gaps =

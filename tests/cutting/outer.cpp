@@ -444,6 +444,74 @@ BOOST_AUTO_TEST_CASE(gaps_of_a_rounding_are_closed) {
     BOOST_TEST(warning.find("stay apart") != std::string::npos, warning);
 }
 
+BOOST_AUTO_TEST_CASE(gaps_are_closed_where_some_vertices_are_common) {
+    constexpr std::uint64_t seed = 20261201;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    for (int trial = 0; trial < 64; ++trial) {
+        const auto common = static_cast<unsigned>(trial % 16);  // bits of the four vertices of the side
+        const double angle = random.uniform(0, 1.5), size = random.uniform(0.3, 3);
+        const auto turned = [&](const Mesh& mesh) {
+            std::vector<Vec3> vertices;
+            for (const Vec3& v : mesh.vertices())
+                vertices.push_back({size * (std::cos(angle) * v[0] - std::sin(angle) * v[1]),
+                                    size * (std::sin(angle) * v[0] + std::cos(angle) * v[1]), size * v[2]});
+            return Mesh(std::move(vertices), mesh.triangles(), mesh.name());
+        };
+        const Mesh one = turned(box_mesh({{0, 0, 0}, {1, 1, 1}}, random.index(64)));
+        const Mesh straight = turned(box_mesh({{1, 0, 0}, {2, 1, 1}}, random.index(64)));
+        std::vector<Vec3> vertices = straight.vertices();
+        unsigned n = 0;
+        for (std::size_t v = 0; v < 8; v += 2, ++n)  // of the low side along x; the next ones are of the high one
+            for (double& x : vertices[v] = one.vertices()[v + 1])
+                if ((common >> n & 1U) == 0) x = std::nextafter(x, random.index(2) == 0 ? -10 : 10);
+        const OuterSurface surface =
+            outer(together({one, Mesh(vertices, straight.triangles(), "other")}, "two boxes " + std::to_string(trial)));
+        BOOST_TEST(std::abs(surface.area - 10 * size * size) < 1e-12 * size * size, trial << ": " << surface.area);
+        BOOST_TEST(std::abs(surface.volume - 2 * size * size * size) < 1e-12 * size * size * size);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(edges_that_are_divided_on_both_sides_are_closed) {
+    const double third = 1.0 / 3, two_thirds = 2.0 / 3;
+    const Mesh given({{0, 0, 0},
+                      {0, 0, 1},
+                      {0, 1, 0},
+                      {0, 1, 1},
+                      {third, 1, 0},
+                      {third, 1, 1},
+                      {0.5, 0, 1},
+                      {0.5, 1, 1},
+                      {two_thirds, 1, 0},
+                      {two_thirds, 1, 1},
+                      {1, 0, 0},
+                      {1, 0, 1},
+                      {1, 1, 0},
+                      {1, 1, 1}},
+                     {{0, 2, 10},
+                      {2, 12, 10},
+                      {1, 6, 7},
+                      {1, 7, 3},
+                      {6, 11, 13},
+                      {6, 13, 7},
+                      {0, 10, 11},
+                      {0, 11, 1},
+                      {2, 3, 4},
+                      {3, 5, 4},
+                      {4, 5, 8},
+                      {5, 9, 8},
+                      {8, 9, 12},
+                      {9, 13, 12},
+                      {0, 1, 2},
+                      {1, 3, 2},
+                      {10, 12, 11},
+                      {12, 13, 11}},
+                     "box");
+    const OuterSurface surface = outer(given);
+    BOOST_TEST(std::abs(surface.volume - 1) < 1e-14);
+    BOOST_TEST(std::abs(surface.area - 6) < 1e-14);
+}
+
 BOOST_AUTO_TEST_CASE(groups_and_faces_as_given) {
     Mesh two =
         together({box_mesh({{0, 0, 0}, {1, 1, 1}}, 0), box_mesh({{0.5, 0.25, 0.25}, {1.5, 0.75, 0.75}}, 0)}, "two");

@@ -3,6 +3,7 @@
 
 #include "surface/regions.hpp"
 
+#include <clsdf/outer.hpp>
 #include <clsdf/topology.hpp>
 
 #include "mesh/face_crossings.hpp"
@@ -212,6 +213,93 @@ BOOST_AUTO_TEST_CASE(walls_of_bolts_layers_lumps_and_tanks_are_left_out) {
                     walls += surface.count(face) == 0 ? 1U : 0U;
                 BOOST_TEST(mesh.triangles().size() - walls == walls_of(outer, to_lower).triangles().size());
             }
+        }
+}
+
+BOOST_AUTO_TEST_CASE(the_order_of_faces_and_their_sizes_change_nothing) {
+    // More small faces in a side along x than lines that are tried, before all others and after them.
+    const Cells layers({0, 32}, {0, 32}, {0, 0.3, 0.6, 1}, [](auto, auto, auto z) { return 1 + static_cast<int>(z); });
+    for (const std::size_t axis : {1U, 2U})
+        for (const bool are_first : {true, false}) {
+            const Mesh given = walls_of(layers, to_lower);
+            std::vector<Vec3> vertices = given.vertices();
+            std::vector<Triangle> triangles = given.triangles(), fine;
+            const auto is_in_side = [&](const Triangle& face) {
+                return std::ranges::all_of(
+                    face, [&](std::uint32_t v) { return vertices[v][axis] == given.box().upper[axis]; });
+            };
+            const auto side = std::ranges::find_if(triangles, is_in_side);
+            Triangle last = *side;
+            triangles.erase(side);
+            for (int n = 0; n < 40; ++n) {
+                Vec3 middle{};
+                for (const std::uint32_t v : last)
+                    for (std::size_t k = 0; k < 3; ++k) middle[k] += vertices[v][k] / 3;
+                middle[axis] = given.box().upper[axis];
+                const auto number = static_cast<std::uint32_t>(vertices.size());
+                vertices.push_back(middle);
+                fine.push_back({last[0], last[1], number});
+                fine.push_back({last[1], last[2], number});
+                last = {last[2], last[0], number};
+            }
+            fine.push_back(last);
+            triangles.insert(are_first ? triangles.begin() : triangles.end(), fine.begin(), fine.end());
+            check_inside(Mesh(vertices, triangles, "layers with a fine side"), layers, is_any);
+        }
+}
+
+BOOST_AUTO_TEST_CASE(corners_in_edges_are_no_holes_of_chambers) {
+    const Cells two({0, 1, 2}, {0, 1}, {0, 1}, [](auto x, auto, auto) { return 1 + static_cast<int>(x); });
+    for (const std::size_t axis : {0U, 1U}) {  // along which the bottom of a chamber is divided
+        const Mesh given = walls_of(two, to_lower);
+        std::vector<Vec3> vertices = given.vertices();
+        std::vector<Triangle> triangles = given.triangles();
+        const auto is_bottom = [&](const Triangle& face) {
+            return std::ranges::all_of(face,
+                                       [&](std::uint32_t v) { return vertices[v][2] == 0 && vertices[v][0] <= 1; });
+        };
+        const auto number_of = [&](const Vec3& at) {
+            const auto found = std::ranges::find(vertices, at);
+            if (found == vertices.end()) vertices.push_back(at);
+            return static_cast<std::uint32_t>(std::ranges::find(vertices, at) - vertices.begin());
+        };
+        const bool looks_up = [&] {
+            const Triangle& face = *std::ranges::find_if(triangles, is_bottom);
+            const Vec3 &a = vertices[face[0]], &b = vertices[face[1]], &c = vertices[face[2]];
+            return (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
+        }();
+        std::erase_if(triangles, is_bottom);
+        for (const double low : {0.0, 0.5}) {
+            std::array<std::uint32_t, 4> corners{};
+            for (std::size_t n = 0; n < 4; ++n) {
+                Vec3 at{n == 1 || n == 2 ? 1.0 : 0.0, n > 1 ? 1.0 : 0.0, 0};
+                at[axis] = low + at[axis] / 2;
+                corners[n] = number_of(at);
+            }
+            if (!looks_up) std::swap(corners[1], corners[3]);
+            triangles.push_back({corners[0], corners[1], corners[2]});
+            triangles.push_back({corners[0], corners[2], corners[3]});
+        }
+        const Mesh mesh(vertices, triangles, "two chambers");
+        BOOST_TEST(describe_topology(mesh).inner_wall_faces == 2U);
+        two.for_each_cell([&](const auto& cell) { BOOST_TEST(is_inside(mesh, two.middle(cell))); });
+        BOOST_TEST(!is_inside(mesh, {1, 0.5, -0.1}));
+        const OuterSurface surface = outer(mesh);
+        BOOST_TEST(std::abs(surface.volume - 2) < 1e-12);
+        BOOST_TEST(std::abs(surface.area - 10) < 1e-12);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_free_triangle_brings_no_walls_back) {
+    const Cells layers({0, 32}, {0, 32}, {0, 0.25, 0.5, 0.75, 1},
+                       [](auto, auto, auto z) { return 1 + static_cast<int>(z); });
+    for (const double size : {0.05, 10.0})
+        for (const double z : {3.0, 0.3}) {
+            const Mesh mesh = together({walls_of(layers, to_lower),
+                                        Mesh({{10, 10, z}, {10 + size, 10, z}, {10, 10 + size, z}}, {{0, 1, 2}}, "")},
+                                       "layers and a triangle");
+            layers.for_each_cell([&](const auto& cell) { BOOST_TEST(is_inside(mesh, layers.middle(cell))); });
+            BOOST_TEST(!is_inside(mesh, {16, 16, 2}));
         }
 }
 

@@ -1,6 +1,8 @@
 #include "surface/corners_in_edges.hpp"
 
 #include "mesh/box_index.hpp"
+#include "mesh/disjoint_sets.hpp"
+#include "mesh/one_rings.hpp"
 #include "surface/edge_counts.hpp"
 #include "surface/local_frame.hpp"
 #include "surface/parts.hpp"
@@ -11,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace clsdf {
@@ -28,6 +31,23 @@ Foot foot_of(const Vec3& from, const Vec3& to, const Vec3& point) {
     const double squared = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2];
     const double along = squared > 0 ? (way[0] * edge[0] + way[1] * edge[1] + way[2] * edge[2]) / squared : 0;
     return {along, length_of({way[0] - along * edge[0], way[1] - along * edge[1], way[2] - along * edge[2]})};
+}
+
+/// The vertices of `ends`, by which `index` is made, that lie in the edge from a to b, in their order.
+void find_corners(const LocalFrame& frame, const BoxIndex& index, std::span<const std::uint32_t> ends, std::uint32_t a,
+                  std::uint32_t b, double tolerance, std::vector<std::pair<double, std::uint32_t>>& corners) {
+    const Vec3 from = frame.local(a), to = frame.local(b);
+    corners.clear();
+    Box box = empty_box;
+    for (const Vec3& end : {from, to}) add(box, {end, end});
+    index.any(widened(box, tolerance), [&](std::size_t n) {
+        const std::uint32_t vertex = ends[n];
+        if (vertex == a || vertex == b) return false;
+        const auto [along, distance] = foot_of(from, to, frame.local(vertex));
+        if (along > 0 && along < 1 && distance <= tolerance) corners.emplace_back(along, vertex);
+        return false;
+    });
+    std::ranges::sort(corners);
 }
 
 }  // namespace
@@ -58,38 +78,91 @@ std::vector<ClosingTriangle> corners_in_edges(const Mesh& mesh, std::span<const 
     std::vector<Box> boxes;
     for (const std::uint32_t vertex : ends) boxes.push_back({frame.local(vertex), frame.local(vertex)});
     const BoxIndex index(boxes);
-    std::vector<ClosingTriangle> result;
+    // The corners in each edge in their order, and the parts between them. An edge is closed with those that have parts
+    // in common with it, if fewer are open then.
+    struct Divided {
+        std::pair<std::uint32_t, std::uint32_t> way;
+        std::uint32_t face;
+        std::vector<std::uint32_t> points;  // from its start to its end
+    };
+    std::vector<Divided> divided;
     std::vector<std::pair<double, std::uint32_t>> corners;
+    struct Part {
+        int net = 0;
+        std::uint32_t edge;  // one of those that have it
+    };
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Part> parts;
+    DisjointSets groups(open.size());
     for (const auto& [way, face] : open) {
-        const Vec3 from = frame.local(way.first), to = frame.local(way.second);
-        corners.clear();
-        Box box = empty_box;
-        for (const Vec3& end : {from, to}) add(box, {end, end});
-        index.any(widened(box, tolerance), [&](std::size_t n) {
-            const std::uint32_t vertex = ends[n];
-            if (vertex == way.first || vertex == way.second) return false;
-            const auto [along, distance] = foot_of(from, to, frame.local(vertex));
-            if (along > 0 && along < 1 && distance <= tolerance) corners.emplace_back(along, vertex);
-            return false;
-        });
-        if (corners.empty()) continue;
-        std::ranges::sort(corners);
-        // The others run the other way: from `to` to the last corner, and on to `from`.
-        const auto has_parts = [&] {
-            std::uint32_t last = way.first;
-            for (const auto& [along, vertex] : corners) {
-                if (!open.contains({vertex, last})) return false;
-                last = vertex;
-            }
-            return open.contains({way.second, last});
-        };
-        if (!has_parts()) continue;
-        std::uint32_t last = way.first;
-        for (const auto& [along, vertex] : corners) {
-            result.push_back({{way.second, last, vertex}, face});
-            last = vertex;
+        find_corners(frame, index, ends, way.first, way.second, tolerance, corners);
+        const auto number = static_cast<std::uint32_t>(divided.size());
+        Divided edge{way, face, {way.first}};
+        for (const auto& [along, vertex] : corners) edge.points.push_back(vertex);
+        edge.points.push_back(way.second);
+        for (std::size_t k = 0; k + 1 < edge.points.size(); ++k) {
+            const std::uint32_t a = edge.points[k], b = edge.points[k + 1];
+            const auto [part, is_new] = parts.try_emplace(std::minmax(a, b), Part{0, number});
+            part->second.net += a < b ? 1 : -1;
+            groups.join(part->second.edge, number);
         }
+        divided.push_back(std::move(edge));
     }
+    std::vector<int> less_open(divided.size());  // by group
+    for (std::uint32_t n = 0; n < divided.size(); ++n) ++less_open[groups.root(n)];
+    for (const auto& [ends_of_part, part] : parts) less_open[groups.root(part.edge)] -= std::abs(part.net);
+    std::vector<ClosingTriangle> result;
+    for (std::uint32_t n = 0; n < divided.size(); ++n) {
+        if (less_open[groups.root(n)] <= 0) continue;
+        const Divided& edge = divided[n];
+        for (std::size_t k = 1; k + 1 < edge.points.size(); ++k)
+            result.push_back({{edge.way.second, edge.points[k - 1], edge.points[k]}, edge.face});
+    }
+    return result;
+}
+
+std::vector<Triangle> corners_in_edges_of_walls(const Mesh& mesh, std::span<const Triangle> triangles) {
+    const OneRings rings(triangles, mesh.vertices().size());
+    std::set<std::pair<std::uint32_t, std::uint32_t>> of_one_face, of_several;  // the lower vertex first
+    std::vector<EdgeEntry> entries;
+    for (std::uint32_t lower = 0; lower < mesh.vertices().size(); ++lower) {
+        edges_above(triangles, rings, lower, entries);
+        for_each_edge(entries, [&](std::span<const EdgeEntry> faces) {
+            const Corner edge = faces[0].edge();
+            const std::uint32_t a = triangles[edge.face][edge.vertex],
+                                b = triangles[edge.face][next_of_three(edge.vertex)];
+            (faces.size() == 1 ? of_one_face : of_several).emplace(std::minmax(a, b));
+        });
+    }
+    if (of_one_face.empty()) return {};
+    std::vector<std::uint32_t> ends;
+    for (const auto& [a, b] : of_one_face) ends.insert(ends.end(), {a, b});
+    std::ranges::sort(ends);
+    const auto repeated = std::ranges::unique(ends);
+    ends.erase(repeated.begin(), repeated.end());
+    const LocalFrame frame(mesh);
+    const double tolerance = 2 * joining_tolerance;
+    std::vector<Box> boxes;
+    for (const std::uint32_t vertex : ends) boxes.push_back({frame.local(vertex), frame.local(vertex)});
+    const BoxIndex index(boxes);
+    std::vector<Triangle> result;
+    std::vector<std::pair<double, std::uint32_t>> corners;
+    for (const auto* edges : {&of_one_face, &of_several})
+        for (const auto& [a, b] : *edges) {
+            if (!std::ranges::binary_search(ends, a) || !std::ranges::binary_search(ends, b)) continue;
+            find_corners(frame, index, ends, a, b, tolerance, corners);
+            if (corners.empty()) continue;
+            corners.emplace_back(1, b);
+            std::uint32_t last = a;
+            const bool has_parts = std::ranges::all_of(corners, [&](const auto& corner) {
+                return of_one_face.contains(std::minmax(std::exchange(last, corner.second), corner.second));
+            });
+            if (!has_parts) continue;
+            last = a;
+            for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
+                result.push_back({b, last, corners[k].second});
+                last = corners[k].second;
+            }
+        }
     return result;
 }
 

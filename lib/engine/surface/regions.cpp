@@ -36,9 +36,11 @@ struct AtEdge {
 /// lowest face's front, and the odd one.
 class Regions {
 public:
-    Regions(const Mesh& mesh, std::span<const Triangle> triangles)
+    /// first_closing: triangles from there on close edges, and have no area but for rounding.
+    Regions(const Mesh& mesh, std::span<const Triangle> triangles, std::size_t first_closing)
         : mesh_(mesh),
           triangles_(triangles),
+          first_closing_(first_closing),
           parts_(triangles, mesh.vertices().size()),
           sides_(2 * triangles.size()),
           surfaces_(triangles.size()),
@@ -86,7 +88,10 @@ private:
     }
     std::uint32_t part_at(const EdgeEntry& entry) const { return parts_.part[entry.edge().face]; }
     const Vec3& at(std::uint32_t vertex) const { return mesh_.vertices()[vertex]; }
-    bool has_area(const Triangle& face) const { return !are_collinear(at(face[0]), at(face[1]), at(face[2])); }
+    bool has_area(std::uint32_t face) const {
+        const Triangle& corners = triangles_[face];
+        return face < first_closing_ && !are_collinear(at(corners[0]), at(corners[1]), at(corners[2]));
+    }
     /// Of a face's front or back.
     std::uint32_t region(std::uint32_t face, bool is_front) {
         return sides_.root(2 * parts_.part[face] + (parts_.is_turned[face] == is_front ? 1U : 0U));
@@ -106,7 +111,7 @@ private:
         for (std::size_t i = 0; i < faces.size(); ++i) surface_of[i] = surfaces_.root(parts_.part[faces[i]]);
         for_each_index(faces.size(), [&](std::size_t i) {
             const Triangle& triangle = triangles_[faces[i]];
-            have_area[i] = has_area(triangle) ? 1 : 0;
+            have_area[i] = has_area(faces[i]) ? 1 : 0;
             for (const std::uint32_t vertex : triangle) add(boxes[i], {at(vertex), at(vertex)});
         });
         const BoxIndex index(boxes);
@@ -136,7 +141,7 @@ private:
             return from;
         };
         const std::uint32_t middle = apex_in(face, a, b);
-        if (has_area(triangles_[face])) return middle;
+        if (has_area(face)) return middle;
         if (!rings_) rings_.emplace(triangles_, mesh_.vertices().size());
         std::vector<EdgeEntry> beside;
         for (const std::uint32_t end : {a, b}) {
@@ -144,7 +149,7 @@ private:
                 triangles_, *rings_, middle, [&](std::uint32_t other) { return other == end; }, beside);
             if (beside.size() != 2) continue;
             const std::uint32_t other = beside[beside[0].edge().face == face ? 1 : 0].edge().face;
-            if (has_area(triangles_[other])) return apex_in(other, middle, end);
+            if (has_area(other)) return apex_in(other, middle, end);
         }
         return std::nullopt;
     }
@@ -245,12 +250,26 @@ private:
         is_inside_.assign(2 * triangles_.size(), false);
     }
 
+    /// The faces of a body that are largest as seen along x: lines along x meet them.
+    std::vector<std::uint32_t> largest_along_x(const Body& body, std::size_t most) const {
+        const LocalFrame frame(mesh_);
+        std::vector<std::pair<double, std::uint32_t>> faces;
+        faces.reserve(body.faces.size());
+        for (const std::uint32_t face : body.faces)
+            faces.emplace_back(-std::abs(frame.normal(triangles_[face])[0]), face);
+        const auto end = faces.begin() + static_cast<std::ptrdiff_t>(std::min(most, faces.size()));
+        std::ranges::partial_sort(faces, end);
+        std::vector<std::uint32_t> found;
+        for (auto face = faces.begin(); face != end; ++face) found.push_back(face->second);
+        return found;
+    }
+
     /// The region from which a body is seen along x from afar; nothing if no line shows it clearly.
     std::optional<std::uint32_t> outer_region(const Body& body) {
         constexpr std::size_t most_lines = 64;
-        for (std::size_t line = 0; line < std::min(most_lines, body.faces.size()); ++line) {
+        for (const std::uint32_t met : largest_along_x(body, most_lines)) {
             Vec3 through{};
-            for (const std::uint32_t vertex : triangles_[body.faces[line]])
+            for (const std::uint32_t vertex : triangles_[met])
                 for (std::size_t axis = 0; axis < 3; ++axis) through[axis] += at(vertex)[axis] / 3;
             std::optional<std::uint32_t> nearest;
             int side_of_nearest = 0;
@@ -304,6 +323,7 @@ private:
 
     const Mesh& mesh_;
     std::span<const Triangle> triangles_;
+    std::size_t first_closing_;
     OrientedParts parts_;
     DisjointSets sides_;           // 2 * part: its even side; 2 * part + 1: its odd side
     DisjointSets surfaces_;        // parts that are joined over edges
@@ -315,8 +335,8 @@ private:
 
 }  // namespace
 
-std::vector<FaceRole> roles_by_reach(const Mesh& mesh, std::span<const Triangle> triangles) {
-    Regions regions(mesh, triangles);
+std::vector<FaceRole> roles_by_reach(const Mesh& mesh, std::span<const Triangle> triangles, std::size_t closing) {
+    Regions regions(mesh, triangles, triangles.size() - closing);
     if (!regions.has_any()) return {};
     std::vector<FaceRole> roles = regions.roles();
     if (std::ranges::all_of(roles, [](FaceRole role) { return role == FaceRole::as_before; })) return {};

@@ -2,6 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -23,7 +24,8 @@ enum class FaceRole : std::uint8_t {
 /// surface whose faces cross elsewhere than at common edges, or that encloses nothing, keeps its faces `as_before`.
 ///
 /// triangles: vertices that are the same have the same number, no two faces have the same three, and faces with a
-/// vertex twice do not count. Empty if no face has another role.
-std::vector<FaceRole> roles_by_reach(const Mesh& mesh, std::span<const Triangle> triangles);
+/// vertex twice do not count. closing: of them the last ones that close edges (corners_in_edges_of_walls()). Empty if
+/// no face has another role.
+std::vector<FaceRole> roles_by_reach(const Mesh& mesh, std::span<const Triangle> triangles, std::size_t closing = 0);
 
 }  // namespace clsdf

@@ -113,7 +113,7 @@ std::string difference_of(const Topology& topology) {
                             : walls == sheets ? "inner walls"
                                               : "sheets that enclose nothing and of inner walls",
                             sheets == 1 ? "is" : "are", sheets == 1 ? "" : "the first is ", topology.first_sheet_face));
-    if (sheets > walls) text += "; a chamber that one of them belongs to has a hole and is outside: close it";
+    if (sheets > walls) text += "; if one bounds a chamber, that has a hole and is outside: close it";
     return text;
 }
 

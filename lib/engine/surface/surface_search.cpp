@@ -1,6 +1,7 @@
 #include "surface/surface_search.hpp"
 
 #include "mesh/join_vertices.hpp"
+#include "surface/corners_in_edges.hpp"
 #include "surface/double_sided.hpp"
 #include "surface/parts.hpp"
 #include "surface/regions.hpp"
@@ -156,8 +157,13 @@ Sheets SurfaceSearch::leave_out_walls(const std::vector<DoubledFace>& doubled) {
     std::vector<Triangle> faces(given_.size());
     for (std::uint32_t face = 0; face < faces.size(); ++face) faces[face] = given(face);
     for (const DoubledFace& one : doubled) faces[one.face] = {};
-    const std::vector<FaceRole> roles = roles_by_reach(*mesh_, faces);
+    // A corner of faces that lies in an edge of another one is no hole.
+    const std::size_t given_count = faces.size();
+    const std::vector<Triangle> closing = corners_in_edges_of_walls(*mesh_, faces);
+    faces.insert(faces.end(), closing.begin(), closing.end());
+    std::vector<FaceRole> roles = roles_by_reach(*mesh_, faces, closing.size());
     if (roles.empty()) return {};
+    roles.resize(given_count);
     if (surface_.faces.empty()) surface_.faces.assign(triangles_.size(), SignSurface::forward);
     if (is_turned_.empty()) is_turned_.resize(triangles_.size());
     Sheets sheets;

@@ -161,10 +161,12 @@ Sheets leave_out_walls_and_sheets(SurfaceSearch& search, const std::vector<Doubl
         if (!sheets.left_out.empty() || without_walls.is_balanced()) {
             if (!without_walls.is_balanced()) without_walls.orient_parts(doubled);
             leave_out_sheets(without_walls, doubled, sheets);
+            // Without walls, what is left out of the mesh as given may be a part of the skin: it counts only if there
+            // is no other sign.
             Sheets as_before;
-            const int reached = quality(without_walls);
-            if (reached < 3) leave_out_sheets(search, doubled, as_before);
-            if (reached == 3 || reached >= quality(search)) {
+            const int reached = quality(without_walls), with_all = quality(search);
+            if (reached == 0) leave_out_sheets(search, doubled, as_before);
+            if (reached >= (reached == 0 ? quality(search) : with_all)) {
                 search = std::move(without_walls);
                 return sheets;
             }
