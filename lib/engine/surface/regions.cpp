@@ -9,6 +9,7 @@
 #include "surface/parts.hpp"
 #include "surface/ray_side.hpp"
 #include "surface/sheets.hpp"
+#include "surface/sign_surface.hpp"
 
 #include <algorithm>
 #include <array>
@@ -101,7 +102,28 @@ private:
     }
     bool is_sheet(std::uint32_t face) { return is_walked(face) && region(face, true) == region(face, false); }
 
+    /// Whether one of two faces is on one side of the other's plane, but for what vertices that are joined may differ
+    /// by: an edge that lay on a face before the mesh was turned and rounded.
+    bool touch_but_for_rounding(const LocalFrame& frame, std::uint32_t first, std::uint32_t second) const {
+        constexpr double tolerance = 2 * joining_tolerance;  // half of the longest side is 1
+        for (const auto& [one, other] : {std::pair(first, second), {second, first}}) {
+            const Vec3 normal = frame.normal(triangles_[other]), origin = frame.local(triangles_[other][0]);
+            const double length = length_of(normal);
+            double lowest = 0, highest = 0;
+            for (const std::uint32_t vertex : triangles_[one]) {
+                const Vec3 at = frame.local(vertex);
+                double above = 0;
+                for (std::size_t axis = 0; axis < 3; ++axis) above += (at[axis] - origin[axis]) * normal[axis];
+                lowest = std::min(lowest, above / length);
+                highest = std::max(highest, above / length);
+            }
+            if ((lowest >= -tolerance) != (highest <= tolerance)) return true;
+        }
+        return false;
+    }
+
     void keep_those_that_cross() {
+        const LocalFrame frame(mesh_);
         std::vector<std::uint32_t> faces;
         for (std::uint32_t face = 0; face < triangles_.size(); ++face)
             if (is_walked(face)) faces.push_back(face);
@@ -123,7 +145,8 @@ private:
                     if (surface_of[a] != surface_of[b] || have_area[a] == 0 || have_area[b] == 0) return;
                     const std::atomic_ref known(cross[surface_of[a]]);
                     if (known.load(std::memory_order_relaxed) != 0) return;
-                    if (faces_cross(mesh_.vertices(), triangles_[faces[a]], triangles_[faces[b]]))
+                    if (faces_cross(mesh_.vertices(), triangles_[faces[a]], triangles_[faces[b]]) &&
+                        !touch_but_for_rounding(frame, faces[a], faces[b]))
                         known.store(1, std::memory_order_relaxed);
                 });
             },
