@@ -24,7 +24,15 @@
  * other structs never change. Members called `reserved` must be 0.
  *
  * UNITS. Lengths and positions are in the mesh's units unless a comment says otherwise; counts, indices, offsets and
- * strides are int64_t; sizes, offsets and strides are in bytes. Texts are UTF-8 and end with 0.
+ * strides are int64_t; sizes, offsets and strides are in bytes.
+ *
+ * TEXTS are UTF-8 and end with 0. A call that gives one writes it to text[size] with its ending 0, cut if it is too
+ * long; *length, if not null, is that of the whole text. `text` may be null if size is 0.
+ *
+ * TRANSFORMS. Threads: calls with a const transform any number; their work takes turns on the device. Others: one.
+ * Triangles of outputs count from the mesh's index base: beyond the band they are -1 with base 0 and 0 with base 1.
+ * With base 1 they cost one more pass over the output, and the output must lie on the host: in a buffer, and so in a
+ * plan, it is CLSDF_UNSUPPORTED.
  *
  * OPENCL. This header needs none of OpenCL's: a cl_mem, cl_event, cl_context, cl_device_id or cl_command_queue is a
  * void *.

@@ -103,8 +103,7 @@ CLSDF_API clsdf_status clsdf_device_forget_records(const clsdf_device* device);
  * 1/32 of its memory, and 40 MiB of pinned memory of the host. *bytes, if not null: how many. The next call makes what
  * it needs anew. */
 CLSDF_API clsdf_status clsdf_device_release_memory(const clsdf_device* device, int64_t* bytes);
-/* The folder of clsdf_device_keep_records(). Here and below, a text is written to text[size] with its ending 0, cut if
- * it is too long; *length, if not null, is that of the whole text. `text` may be null if size is 0. */
+/* The folder of clsdf_device_keep_records(). */
 CLSDF_API clsdf_status clsdf_device_record_folder(const clsdf_device* device, char* text, int64_t size,
                                                   int64_t* length);
 /* The folder that clsdf's command uses: CLSDF_CACHE_DIR, or one of the user's. "" if none is known. */

@@ -17,12 +17,6 @@ extern "C" {
 
 /* ---- Transforms ---- */
 
-/* Threads: calls with a const transform any number; their work takes turns on the device. Others: one.
- *
- * Triangles of outputs count from the mesh's index base: beyond the band they are -1 with base 0 and 0 with base 1.
- * With base 1 they cost one more pass over the output, and the output must lie on the host: in a buffer, and so in a
- * plan, it is CLSDF_UNSUPPORTED. */
-
 typedef struct clsdf_transform_options {
     size_t struct_size;
     int32_t sign;       /* CLSDF_SIGN_AUTOMATIC ... */
