@@ -285,6 +285,43 @@ module clsdf_c
     integer(c_int64_t) :: memory = 0  !< bytes that the buffers of one transform and its plans may take; 0: all
   end type
 
+  type, bind(C) :: clsdf_progress
+    integer(c_int32_t) :: stage = 0  !< CLSDF_COMPILING, CLSDF_COMPUTING, CLSDF_TESTING
+    integer(c_int32_t) :: reserved = 0
+    real(c_double) :: fraction = 0  !< of the stage, 0 to 1
+    integer(c_int64_t) :: step = 0  !< of compiling, from 1
+    integer(c_int64_t) :: steps = 0  !< of compiling, at most
+  end type
+
+  !> Options of one call. Functions may be null.
+  type, bind(C) :: c_call_options
+    integer(c_size_t) :: struct_size = 64
+    type(c_ptr) :: user = c_null_ptr  !< the first argument of the functions
+    type(c_funptr) :: progress = c_null_funptr  !< called between launches, and before each step of building programs
+    type(c_funptr) :: should_stop = c_null_funptr  !< asked there, too
+    type(c_funptr) :: log = c_null_funptr  !< warnings of this call
+    type(c_ptr) :: wait_list = c_null_ptr  !< cl_events after which the call uses the caller's memory
+    integer(c_int64_t) :: wait_count = 0
+    !> 1: clsdf_query() fails if a point is not finite or too far from the mesh
+    integer(c_int32_t) :: refuse_unusable_points = 0
+    integer(c_int32_t) :: reserved = 0
+  end type
+
+  !> Times (wall-clock seconds of the host) and memory of a call.
+  type, bind(C) :: clsdf_statistics
+    integer(c_size_t) :: struct_size = 73
+    integer(c_int64_t) :: slabs = 0  !< parts of the grid computed one after the other
+    integer(c_int64_t) :: device_bytes = 0  !< the most that buffers took at once; of a plan, its own buffers
+    integer(c_int64_t) :: host_bytes = 0  !< the library's arrays on the host for slabs
+    real(c_double) :: compile_seconds = 0  !< building or loading the device's programs, and testing them
+    real(c_double) :: polyhedra_seconds = 0  !< preparing the mesh
+    real(c_double) :: field_seconds = 0  !< samples or points
+    integer(c_int32_t) :: first_use = 0  !< 1: programs computed for the first time on this device
+    integer(c_int32_t) :: reserved = 0
+    !> of clsdf_query(): points that are not finite or too far from the mesh
+    integer(c_int64_t) :: unusable_points = 0
+  end type
+
   !> A mesh in the caller's arrays, on the host or in buffers of the device's context. Each call that takes one copies
   !> what it keeps.
   type, bind(C) :: c_mesh_arrays
@@ -413,28 +450,6 @@ module clsdf_c
     real(c_double) :: volume_after = 0
   end type
 
-  type, bind(C) :: clsdf_progress
-    integer(c_int32_t) :: stage = 0  !< CLSDF_COMPILING, CLSDF_COMPUTING, CLSDF_TESTING
-    integer(c_int32_t) :: reserved = 0
-    real(c_double) :: fraction = 0  !< of the stage, 0 to 1
-    integer(c_int64_t) :: step = 0  !< of compiling, from 1
-    integer(c_int64_t) :: steps = 0  !< of compiling, at most
-  end type
-
-  !> Options of one call. Functions may be null.
-  type, bind(C) :: c_call_options
-    integer(c_size_t) :: struct_size = 64
-    type(c_ptr) :: user = c_null_ptr  !< the first argument of the functions
-    type(c_funptr) :: progress = c_null_funptr  !< called between launches, and before each step of building programs
-    type(c_funptr) :: should_stop = c_null_funptr  !< asked there, too
-    type(c_funptr) :: log = c_null_funptr  !< warnings of this call
-    type(c_ptr) :: wait_list = c_null_ptr  !< cl_events after which the call uses the caller's memory
-    integer(c_int64_t) :: wait_count = 0
-    !> 1: clsdf_query() fails if a point is not finite or too far from the mesh
-    integer(c_int32_t) :: refuse_unusable_points = 0
-    integer(c_int32_t) :: reserved = 0
-  end type
-
   !> An outer surface, beside the faces as given.
   type, bind(C) :: clsdf_outer_report
     integer(c_size_t) :: struct_size = 49
@@ -443,21 +458,6 @@ module clsdf_c
     integer(c_int64_t) :: hidden_faces = 0  !< and not at all
     real(c_double) :: volume = 0  !< inside, in cubed units of the mesh
     real(c_double) :: area = 0  !< of the outer surface, in squared units
-  end type
-
-  !> Times (wall-clock seconds of the host) and memory of a call.
-  type, bind(C) :: clsdf_statistics
-    integer(c_size_t) :: struct_size = 73
-    integer(c_int64_t) :: slabs = 0  !< parts of the grid computed one after the other
-    integer(c_int64_t) :: device_bytes = 0  !< the most that buffers took at once; of a plan, its own buffers
-    integer(c_int64_t) :: host_bytes = 0  !< the library's arrays on the host for slabs
-    real(c_double) :: compile_seconds = 0  !< building or loading the device's programs, and testing them
-    real(c_double) :: polyhedra_seconds = 0  !< preparing the mesh
-    real(c_double) :: field_seconds = 0  !< samples or points
-    integer(c_int32_t) :: first_use = 0  !< 1: programs computed for the first time on this device
-    integer(c_int32_t) :: reserved = 0
-    !> of clsdf_query(): points that are not finite or too far from the mesh
-    integer(c_int64_t) :: unusable_points = 0
   end type
 
   type, bind(C) :: c_transform_options
@@ -479,6 +479,13 @@ module clsdf_c
     integer(c_int64_t) :: shared_device_bytes = 0  !< that no transform uses
   end type
 
+  !> A box of the domain, and what is asked in it.
+  type, bind(C) :: clsdf_region
+    type(clsdf_box) :: box
+    real(c_double) :: half_width = 0  !< the largest distance asked for; positive and finite
+    real(c_double) :: spacing = 0  !< the largest spacing of grids; 0: only points and boxes
+  end type
+
   !> One box of many.
   type, bind(C) :: c_request
     type(c_grid) :: grid
@@ -495,13 +502,6 @@ module clsdf_c
     type(c_ptr) :: first = c_null_ptr  !< [block_count][3]: the first sample of each block, on the lattice
     integer(c_int64_t) :: block_count = 0
     type(c_targets) :: targets  !< of the first block; clsdf_array.block_stride leads to the others
-  end type
-
-  !> A box of the domain, and what is asked in it.
-  type, bind(C) :: clsdf_region
-    type(clsdf_box) :: box
-    real(c_double) :: half_width = 0  !< the largest distance asked for; positive and finite
-    real(c_double) :: spacing = 0  !< the largest spacing of grids; 0: only points and boxes
   end type
 
   type, bind(C) :: c_slab_options
@@ -577,6 +577,18 @@ module clsdf_c
     type(c_ptr) :: inside = c_null_ptr  !< [run_count], of bricks without values
     integer(c_int64_t) :: run_count = 0
     type(c_targets) :: values  !< packed: brick n has the items [512 n, 512 (n + 1)), x fastest
+  end type
+
+  type, bind(C) :: c_field_description
+    integer(c_size_t) :: struct_size = 152
+    type(c_grid) :: grid
+    type(clsdf_band) :: band
+    integer(c_int32_t) :: sign = 3  !< CLSDF_SIGN_AUTOMATIC if a file of another program states none
+    !> 1: distances and gradients are negated, also zeros and what lies beyond the band
+    integer(c_int32_t) :: positive_inside = 0
+    type(c_ptr) :: mesh_name = c_null_ptr  !< null: ""; of a field, lives as long as the field
+    !> of CLSDF_SIGN_BELOW: its z; DBL_MAX, the default: none, or not known
+    real(c_double) :: floor = 1.7976931348623157e308_c_double
   end type
 
   !> The pose of a body, whose points x are at R x + t.
@@ -744,18 +756,6 @@ module clsdf_c
     type(c_ptr) :: name = c_null_ptr  !< in messages; null: "the array"
     integer(c_int32_t) :: access = 0  !< CLSDF_CUDA_READ ...
     integer(c_int32_t) :: reserved = 0
-  end type
-
-  type, bind(C) :: c_field_description
-    integer(c_size_t) :: struct_size = 152
-    type(c_grid) :: grid
-    type(clsdf_band) :: band
-    integer(c_int32_t) :: sign = 3  !< CLSDF_SIGN_AUTOMATIC if a file of another program states none
-    !> 1: distances and gradients are negated, also zeros and what lies beyond the band
-    integer(c_int32_t) :: positive_inside = 0
-    type(c_ptr) :: mesh_name = c_null_ptr  !< null: ""; of a field, lives as long as the field
-    !> of CLSDF_SIGN_BELOW: its z; DBL_MAX, the default: none, or not known
-    real(c_double) :: floor = 1.7976931348623157e308_c_double
   end type
 
   ! ---- Functions ----
@@ -1511,6 +1511,53 @@ module clsdf_c
       real(c_double), intent(in) :: translation(*)
       integer(c_int32_t) :: value
     end function
+    function c_transform_box(transform, box) bind(C, name="clsdf_transform_box") result(value)
+      import
+      type(c_ptr), value :: transform
+      type(clsdf_box), intent(inout) :: box
+      integer(c_int32_t) :: value
+    end function
+    function c_transform_topology(transform, topology) bind(C, name="clsdf_transform_topology") result(value)
+      import
+      type(c_ptr), value :: transform
+      type(c_topology), intent(inout) :: topology
+      integer(c_int32_t) :: value
+    end function
+    function c_transform_sign(transform, rule) bind(C, name="clsdf_transform_sign") result(value)
+      import
+      type(c_ptr), value :: transform
+      integer(c_int32_t), intent(inout) :: rule
+      integer(c_int32_t) :: value
+    end function
+    function c_transform_index_base(transform, index_base) bind(C, name="clsdf_transform_index_base") result(value)
+      import
+      type(c_ptr), value :: transform
+      integer(c_int32_t), intent(inout) :: index_base
+      integer(c_int32_t) :: value
+    end function
+    function c_transform_device(transform, device) bind(C, name="clsdf_transform_device") result(value)
+      import
+      type(c_ptr), value :: transform
+      type(c_ptr), intent(out) :: device
+      integer(c_int32_t) :: value
+    end function
+    function c_transform_memory(transform, memory) bind(C, name="clsdf_transform_memory") result(value)
+      import
+      type(c_ptr), value :: transform
+      type(clsdf_kept_memory), intent(inout) :: memory
+      integer(c_int32_t) :: value
+    end function
+    function c_transform_compile(transform, grid, band, outputs, call, statistics) bind(C, &
+        name="clsdf_transform_compile") result(value)
+      import
+      type(c_ptr), value :: transform
+      type(c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), value :: call
+      type(c_ptr), value :: statistics
+      integer(c_int32_t) :: value
+    end function
     function c_compute(transform, grid, band, targets, target_count, call, statistics) bind(C, name="clsdf_compute") &
         result(value)
       import
@@ -1565,6 +1612,14 @@ module clsdf_c
       type(c_ptr), value :: call
       type(c_ptr), value :: statistics
       type(c_ptr), intent(out) :: field
+      integer(c_int32_t) :: value
+    end function
+    function c_slabs_of(grid, slabs, size, count) bind(C, name="clsdf_slabs_of") result(value)
+      import
+      type(c_grid), intent(in) :: grid
+      type(c_grid), intent(inout) :: slabs(*)
+      integer(c_int64_t), value :: size
+      integer(c_int64_t), intent(inout) :: count
       integer(c_int32_t) :: value
     end function
     function c_compute_sparse(transform, grid, band, arrays, call, statistics, counts) bind(C, &
@@ -1626,12 +1681,78 @@ module clsdf_c
       type(c_ptr), intent(inout) :: fields(*)
       integer(c_int32_t) :: value
     end function
-    function c_slabs_of(grid, slabs, size, count) bind(C, name="clsdf_slabs_of") result(value)
+    function c_field_create(description, outputs, field) bind(C, name="clsdf_field_create") result(value)
       import
-      type(c_grid), intent(in) :: grid
-      type(c_grid), intent(inout) :: slabs(*)
-      integer(c_int64_t), value :: size
-      integer(c_int64_t), intent(inout) :: count
+      type(c_field_description), intent(in) :: description
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), intent(out) :: field
+      integer(c_int32_t) :: value
+    end function
+    function c_field_describe(field, description) bind(C, name="clsdf_field_describe") result(value)
+      import
+      type(c_ptr), value :: field
+      type(c_field_description), intent(inout) :: description
+      integer(c_int32_t) :: value
+    end function
+    function c_field_outputs(field, outputs) bind(C, name="clsdf_field_outputs") result(value)
+      import
+      type(c_ptr), value :: field
+      integer(c_int32_t), intent(inout) :: outputs
+      integer(c_int32_t) :: value
+    end function
+    function c_field_array(field, output, array) bind(C, name="clsdf_field_array") result(value)
+      import
+      type(c_ptr), value :: field
+      integer(c_int32_t), value :: output
+      type(c_array), intent(inout) :: array
+      integer(c_int32_t) :: value
+    end function
+    function c_field_set_index_base(field, index_base) bind(C, name="clsdf_field_set_index_base") result(value)
+      import
+      type(c_ptr), value :: field
+      integer(c_int32_t), value :: index_base
+      integer(c_int32_t) :: value
+    end function
+    function c_field_set_groups(field, mesh) bind(C, name="clsdf_field_set_groups") result(value)
+      import
+      type(c_ptr), value :: field
+      type(c_ptr), value :: mesh
+      integer(c_int32_t) :: value
+    end function
+    function c_sparse_field_describe(field, description) bind(C, name="clsdf_sparse_field_describe") result(value)
+      import
+      type(c_ptr), value :: field
+      type(c_field_description), intent(inout) :: description
+      integer(c_int32_t) :: value
+    end function
+    function c_sparse_field_slab(field, slab) bind(C, name="clsdf_sparse_field_slab") result(value)
+      import
+      type(c_ptr), value :: field
+      type(c_sparse_slab), intent(inout) :: slab
+      integer(c_int32_t) :: value
+    end function
+    function c_sparse_field_set_index_base(field, index_base) bind(C, name="clsdf_sparse_field_set_index_base") &
+        result(value)
+      import
+      type(c_ptr), value :: field
+      integer(c_int32_t), value :: index_base
+      integer(c_int32_t) :: value
+    end function
+    function c_sparse_find(slab, sample, number) bind(C, name="clsdf_sparse_find") result(value)
+      import
+      type(c_sparse_slab), intent(in) :: slab
+      integer(c_int64_t), intent(in) :: sample(*)
+      integer(c_int64_t), intent(inout) :: number
+      integer(c_int32_t) :: value
+    end function
+    function c_sparse_distances(slab, band, samples, count, distances) bind(C, name="clsdf_sparse_distances") &
+        result(value)
+      import
+      type(c_sparse_slab), intent(in) :: slab
+      type(clsdf_band), intent(in) :: band
+      integer(c_int64_t), intent(in) :: samples(*)
+      integer(c_int64_t), value :: count
+      real(c_float), intent(inout) :: distances(*)
       integer(c_int32_t) :: value
     end function
     function c_query(transform, points, half_width, targets, target_count, call, statistics) bind(C, &
@@ -1663,6 +1784,38 @@ module clsdf_c
       type(c_ptr), value :: call
       integer(c_int32_t) :: value
     end function
+    function c_points_read(path, points) bind(C, name="clsdf_points_read") result(value)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(out) :: points
+      integer(c_int32_t) :: value
+    end function
+    function c_points_data(points, positions, count) bind(C, name="clsdf_points_data") result(value)
+      import
+      type(c_ptr), value :: points
+      type(c_ptr), intent(out) :: positions
+      integer(c_int64_t), intent(inout) :: count
+      integer(c_int32_t) :: value
+    end function
+    function c_points_write(positions, count, results, result_count, path, outputs) bind(C, name="clsdf_points_write") &
+        result(value)
+      import
+      real(c_double), intent(in) :: positions(*)
+      integer(c_int64_t), value :: count
+      type(c_target), intent(in) :: results(*)
+      integer(c_int64_t), value :: result_count
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int32_t), value :: outputs
+      integer(c_int32_t) :: value
+    end function
+    function c_points_check_path(path) bind(C, name="clsdf_points_check_path") result(value)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int32_t) :: value
+    end function
+    subroutine c_abandon_unfinished_files() bind(C, name="clsdf_abandon_unfinished_files")
+      import
+    end subroutine
     function c_pose_of_matrix(matrix, pose) bind(C, name="clsdf_pose_of_matrix") result(value)
       import
       real(c_double), intent(in) :: matrix(*)
@@ -1924,53 +2077,6 @@ module clsdf_c
       type(c_array), intent(in) :: to
       integer(c_int32_t), value :: hits
       type(c_array), intent(in) :: visible
-      type(c_ptr), value :: call
-      type(c_ptr), value :: statistics
-      integer(c_int32_t) :: value
-    end function
-    function c_transform_box(transform, box) bind(C, name="clsdf_transform_box") result(value)
-      import
-      type(c_ptr), value :: transform
-      type(clsdf_box), intent(inout) :: box
-      integer(c_int32_t) :: value
-    end function
-    function c_transform_topology(transform, topology) bind(C, name="clsdf_transform_topology") result(value)
-      import
-      type(c_ptr), value :: transform
-      type(c_topology), intent(inout) :: topology
-      integer(c_int32_t) :: value
-    end function
-    function c_transform_sign(transform, rule) bind(C, name="clsdf_transform_sign") result(value)
-      import
-      type(c_ptr), value :: transform
-      integer(c_int32_t), intent(inout) :: rule
-      integer(c_int32_t) :: value
-    end function
-    function c_transform_index_base(transform, index_base) bind(C, name="clsdf_transform_index_base") result(value)
-      import
-      type(c_ptr), value :: transform
-      integer(c_int32_t), intent(inout) :: index_base
-      integer(c_int32_t) :: value
-    end function
-    function c_transform_device(transform, device) bind(C, name="clsdf_transform_device") result(value)
-      import
-      type(c_ptr), value :: transform
-      type(c_ptr), intent(out) :: device
-      integer(c_int32_t) :: value
-    end function
-    function c_transform_memory(transform, memory) bind(C, name="clsdf_transform_memory") result(value)
-      import
-      type(c_ptr), value :: transform
-      type(clsdf_kept_memory), intent(inout) :: memory
-      integer(c_int32_t) :: value
-    end function
-    function c_transform_compile(transform, grid, band, outputs, call, statistics) bind(C, &
-        name="clsdf_transform_compile") result(value)
-      import
-      type(c_ptr), value :: transform
-      type(c_grid), intent(in) :: grid
-      type(clsdf_band), intent(in) :: band
-      integer(c_int32_t), value :: outputs
       type(c_ptr), value :: call
       type(c_ptr), value :: statistics
       integer(c_int32_t) :: value
@@ -2438,112 +2544,6 @@ module clsdf_c
       integer(c_int64_t), value :: count
       integer(c_int32_t) :: value
     end function
-    function c_field_create(description, outputs, field) bind(C, name="clsdf_field_create") result(value)
-      import
-      type(c_field_description), intent(in) :: description
-      integer(c_int32_t), value :: outputs
-      type(c_ptr), intent(out) :: field
-      integer(c_int32_t) :: value
-    end function
-    function c_field_describe(field, description) bind(C, name="clsdf_field_describe") result(value)
-      import
-      type(c_ptr), value :: field
-      type(c_field_description), intent(inout) :: description
-      integer(c_int32_t) :: value
-    end function
-    function c_field_outputs(field, outputs) bind(C, name="clsdf_field_outputs") result(value)
-      import
-      type(c_ptr), value :: field
-      integer(c_int32_t), intent(inout) :: outputs
-      integer(c_int32_t) :: value
-    end function
-    function c_field_array(field, output, array) bind(C, name="clsdf_field_array") result(value)
-      import
-      type(c_ptr), value :: field
-      integer(c_int32_t), value :: output
-      type(c_array), intent(inout) :: array
-      integer(c_int32_t) :: value
-    end function
-    function c_field_set_index_base(field, index_base) bind(C, name="clsdf_field_set_index_base") result(value)
-      import
-      type(c_ptr), value :: field
-      integer(c_int32_t), value :: index_base
-      integer(c_int32_t) :: value
-    end function
-    function c_field_set_groups(field, mesh) bind(C, name="clsdf_field_set_groups") result(value)
-      import
-      type(c_ptr), value :: field
-      type(c_ptr), value :: mesh
-      integer(c_int32_t) :: value
-    end function
-    function c_sparse_field_describe(field, description) bind(C, name="clsdf_sparse_field_describe") result(value)
-      import
-      type(c_ptr), value :: field
-      type(c_field_description), intent(inout) :: description
-      integer(c_int32_t) :: value
-    end function
-    function c_sparse_field_slab(field, slab) bind(C, name="clsdf_sparse_field_slab") result(value)
-      import
-      type(c_ptr), value :: field
-      type(c_sparse_slab), intent(inout) :: slab
-      integer(c_int32_t) :: value
-    end function
-    function c_sparse_field_set_index_base(field, index_base) bind(C, name="clsdf_sparse_field_set_index_base") &
-        result(value)
-      import
-      type(c_ptr), value :: field
-      integer(c_int32_t), value :: index_base
-      integer(c_int32_t) :: value
-    end function
-    function c_sparse_find(slab, sample, number) bind(C, name="clsdf_sparse_find") result(value)
-      import
-      type(c_sparse_slab), intent(in) :: slab
-      integer(c_int64_t), intent(in) :: sample(*)
-      integer(c_int64_t), intent(inout) :: number
-      integer(c_int32_t) :: value
-    end function
-    function c_sparse_distances(slab, band, samples, count, distances) bind(C, name="clsdf_sparse_distances") &
-        result(value)
-      import
-      type(c_sparse_slab), intent(in) :: slab
-      type(clsdf_band), intent(in) :: band
-      integer(c_int64_t), intent(in) :: samples(*)
-      integer(c_int64_t), value :: count
-      real(c_float), intent(inout) :: distances(*)
-      integer(c_int32_t) :: value
-    end function
-    function c_points_read(path, points) bind(C, name="clsdf_points_read") result(value)
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      type(c_ptr), intent(out) :: points
-      integer(c_int32_t) :: value
-    end function
-    function c_points_data(points, positions, count) bind(C, name="clsdf_points_data") result(value)
-      import
-      type(c_ptr), value :: points
-      type(c_ptr), intent(out) :: positions
-      integer(c_int64_t), intent(inout) :: count
-      integer(c_int32_t) :: value
-    end function
-    function c_points_write(positions, count, results, result_count, path, outputs) bind(C, name="clsdf_points_write") &
-        result(value)
-      import
-      real(c_double), intent(in) :: positions(*)
-      integer(c_int64_t), value :: count
-      type(c_target), intent(in) :: results(*)
-      integer(c_int64_t), value :: result_count
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int32_t), value :: outputs
-      integer(c_int32_t) :: value
-    end function
-    function c_points_check_path(path) bind(C, name="clsdf_points_check_path") result(value)
-      import
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int32_t) :: value
-    end function
-    subroutine c_abandon_unfinished_files() bind(C, name="clsdf_abandon_unfinished_files")
-      import
-    end subroutine
     function c_field_read(path, field) bind(C, name="clsdf_field_read") result(value)
       import
       character(kind=c_char), intent(in) :: path(*)

@@ -116,7 +116,9 @@ class Site:
         shutil.rmtree(work, ignore_errors=True)
         headers = sorted((self.sources / "lib/include/clsdf").glob("*.h*"))
         headers = [h for h in headers if h.name not in ("export.hpp", "clsdf.hpp")]
-        c_headers = [self.sources / f"bindings/c/include/{name}" for name in ("clsdf.h", "clsdf_io.h")]
+        c_include = self.sources / "bindings/c/include"
+        parts = re.findall(r'^#include "(clsdf/c/.*)"', (c_include / "clsdf.h").read_text(), re.M)
+        c_headers = [c_include / name for name in ("clsdf.h", *parts, "clsdf_io.h")]
         listed = {"cpp": [], "c": [], "fortran": []}
         if shutil.which("doxygen"):
             for language, files in (("cpp", headers), ("c", c_headers)):
@@ -124,8 +126,11 @@ class Site:
                 for header in files:
                     is_c = language == "c"
                     name = f"{language}-{header.stem.replace('_', '-')}"
-                    text = cpp.page(header.name, header.name if is_c else f"clsdf/{header.name}", cpp.head_of(header) if is_c else "",
-                                    found[header.name], language, cpp.sections_of(header) if is_c else ())
+                    is_part = is_c and header.parent != c_include
+                    include = "clsdf.h" if is_part else header.name if is_c else f"clsdf/{header.name}"
+                    text = cpp.page(str(header.relative_to(c_include)) if is_c else header.name, include,
+                                    cpp.head_of(header) if is_c else "", found[header.name], language,
+                                    cpp.sections_of(header) if is_c else ())
                     self.write(f"interfaces/{name}.md", f"---\ntocdepth: 2\n---\n\n{text}")
                     listed[language].append(name)
             shutil.rmtree(work)

@@ -1,4 +1,4 @@
-/* Every output of the library's table has a constant in the header: outputs HEADER. */
+/* Every output of the library's table has a constant in the header: outputs HEADER, its part basics.h. */
 #include "test.h"
 
 #include <ctype.h>
@@ -23,7 +23,7 @@ int main(int count, char** arguments) {
         snprintf(line, sizeof line, "#define CLSDF_%s %d ", info.name, (int)output);
         for (letter = line + strlen("#define "); *letter != 0; ++letter) *letter = (char)toupper(*letter);
         if (strstr(text, line) == NULL) {
-            fprintf(stderr, "clsdf.h has no line '%s...': give the output %s its constant there\n", line, info.name);
+            fprintf(stderr, "clsdf/c/basics.h has no line '%s...' for the output %s\n", line, info.name);
             return 1;
         }
     }
