@@ -290,6 +290,41 @@ BOOST_AUTO_TEST_CASE(corners_in_edges_are_no_holes_of_chambers) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(a_rim_that_crosses_the_skin_by_a_rounding_touches_it) {
+    const Cells tank({0, 1, 2}, {0, 1}, {0, 3}, [](auto, auto, auto) { return 1; });
+    const Mesh skin = walls_of(tank, to_lower);
+    std::vector<Vec3> vertices = skin.vertices();
+    std::vector<Triangle> triangles = skin.triangles();
+    // A baffle that stands on the bottom; its sides lie on those of the tank.
+    const auto number_of = [&](const Vec3& at) {
+        return static_cast<std::uint32_t>(std::ranges::find(vertices, at) - vertices.begin());
+    };
+    const std::uint32_t a = number_of({1, 0, 0}), b = number_of({1, 1, 0}),
+                        top = static_cast<std::uint32_t>(vertices.size());
+    BOOST_REQUIRE(std::max(a, b) < top);
+    vertices.insert(vertices.end(), {{1, 0, 0.9}, {1, 1, 0.9}});
+    triangles.insert(triangles.end(), {{a, b, top + 1}, {a, top + 1, top}});
+    constexpr std::uint64_t seed = 6;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    for (int trial = 0; trial < 40; ++trial) {
+        const double angle = random.uniform(0, 6), other = random.uniform(0, 6);
+        const auto turned = [&](const Vec3& v) {
+            const Vec3 once{std::cos(angle) * v[0] - std::sin(angle) * v[1],
+                            std::sin(angle) * v[0] + std::cos(angle) * v[1], v[2]};
+            return Vec3{once[0], std::cos(other) * once[1] - std::sin(other) * once[2],
+                        std::sin(other) * once[1] + std::cos(other) * once[2]};
+        };
+        std::vector<Vec3> at;
+        for (const Vec3& v : vertices) at.push_back(turned(v));
+        const Mesh mesh(at, triangles, "tank " + std::to_string(trial));
+        BOOST_TEST(describe_topology(mesh).sheet_faces == 2U, trial);
+        for (const Vec3& point : {Vec3{0.9, 0.5, 0.5}, Vec3{1.1, 0.5, 0.5}, Vec3{1, 0.5, 2}})
+            BOOST_TEST(is_inside(mesh, turned(point)), trial);
+        BOOST_TEST(!is_inside(mesh, turned({1, 0.5, -0.2})));
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_free_triangle_brings_no_walls_back) {
     const Cells layers({0, 32}, {0, 32}, {0, 0.25, 0.5, 0.75, 1},
                        [](auto, auto, auto z) { return 1 + static_cast<int>(z); });
