@@ -687,6 +687,9 @@ def machine():
     return f"{model.group(1) if model else 'unknown'}, {len(os.sched_getaffinity(0))} cores"
 
 
+KEPT = "## Files whose sign changed"  # written by hand; stays
+
+
 def record_of(results, left, files, options):
     read = [result for result in results if "unreadable" not in result]
     tested = [result for result in read if "points" in result]
@@ -852,7 +855,9 @@ def main():
     if options.only:
         print(json.dumps(results, indent=1))
     else:
-        options.record.write_text(record_of(results, len(tasks) - len(results), files, options))
+        kept = options.record.read_text().partition(KEPT) if options.record.exists() else ("", "", "")
+        record = record_of(results, len(tasks) - len(results), files, options)
+        options.record.write_text(record.rstrip() + "\n" + ("\n" + "".join(kept[1:]) if kept[1] else ""))
         print(f"Written: {options.record}")
     sys.exit(any(result.get("wrong_signs") or result.get("wrong_values") or result.get("failed")
                  for result in results))
