@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <set>
 #include <utility>
 
 namespace clsdf {
@@ -121,24 +120,36 @@ std::vector<ClosingTriangle> corners_in_edges(const Mesh& mesh, std::span<const 
 }
 
 std::vector<Triangle> corners_in_edges_of_walls(const Mesh& mesh, std::span<const Triangle> triangles) {
+    using Edge = std::array<std::uint32_t, 2>;  // the lower vertex first
     const OneRings rings(triangles, mesh.vertices().size());
-    std::set<std::pair<std::uint32_t, std::uint32_t>> of_one_face, of_several;  // the lower vertex first
     std::vector<EdgeEntry> entries;
-    for (std::uint32_t lower = 0; lower < mesh.vertices().size(); ++lower) {
+    // Calls f(edge, number of faces) for the edges whose lower vertex this is.
+    const auto for_each_edge_above = [&](std::uint32_t lower, const auto& f) {
         edges_above(triangles, rings, lower, entries);
         for_each_edge(entries, [&](std::span<const EdgeEntry> faces) {
             const Corner edge = faces[0].edge();
             const std::uint32_t a = triangles[edge.face][edge.vertex],
                                 b = triangles[edge.face][next_of_three(edge.vertex)];
-            (faces.size() == 1 ? of_one_face : of_several).emplace(std::minmax(a, b));
+            f(Edge{std::min(a, b), std::max(a, b)}, faces.size());
         });
-    }
+    };
+    std::vector<Edge> of_one_face;
+    for (std::uint32_t lower = 0; lower < mesh.vertices().size(); ++lower)
+        for_each_edge_above(lower, [&](const Edge& edge, std::size_t faces) {
+            if (faces == 1) of_one_face.push_back(edge);
+        });
     if (of_one_face.empty()) return {};
+    std::ranges::sort(of_one_face);
     std::vector<std::uint32_t> ends;
-    for (const auto& [a, b] : of_one_face) ends.insert(ends.end(), {a, b});
+    for (const Edge& edge : of_one_face) ends.insert(ends.end(), edge.begin(), edge.end());
     std::ranges::sort(ends);
     const auto repeated = std::ranges::unique(ends);
     ends.erase(repeated.begin(), repeated.end());
+    std::vector<Edge> edges;  // that may have corners within
+    for (const std::uint32_t lower : ends)
+        for_each_edge_above(lower, [&](const Edge& edge, std::size_t) {
+            if (std::ranges::binary_search(ends, edge[1])) edges.push_back(edge);
+        });
     const LocalFrame frame(mesh);
     const double tolerance = 2 * joining_tolerance;
     std::vector<Box> boxes;
@@ -146,23 +157,22 @@ std::vector<Triangle> corners_in_edges_of_walls(const Mesh& mesh, std::span<cons
     const BoxIndex index(boxes);
     std::vector<Triangle> result;
     std::vector<std::pair<double, std::uint32_t>> corners;
-    for (const auto* edges : {&of_one_face, &of_several})
-        for (const auto& [a, b] : *edges) {
-            if (!std::ranges::binary_search(ends, a) || !std::ranges::binary_search(ends, b)) continue;
-            find_corners(frame, index, ends, a, b, tolerance, corners);
-            if (corners.empty()) continue;
-            corners.emplace_back(1, b);
-            std::uint32_t last = a;
-            const bool has_parts = std::ranges::all_of(corners, [&](const auto& corner) {
-                return of_one_face.contains(std::minmax(std::exchange(last, corner.second), corner.second));
-            });
-            if (!has_parts) continue;
-            last = a;
-            for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
-                result.push_back({b, last, corners[k].second});
-                last = corners[k].second;
-            }
+    for (const auto& [a, b] : edges) {
+        find_corners(frame, index, ends, a, b, tolerance, corners);
+        if (corners.empty()) continue;
+        corners.emplace_back(1, b);
+        std::uint32_t last = a;
+        const bool has_parts = std::ranges::all_of(corners, [&](const auto& corner) {
+            const std::uint32_t from = std::exchange(last, corner.second);
+            return std::ranges::binary_search(of_one_face, Edge{std::min(from, last), std::max(from, last)});
+        });
+        if (!has_parts) continue;
+        last = a;
+        for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
+            result.push_back({b, last, corners[k].second});
+            last = corners[k].second;
         }
+    }
     return result;
 }
 
