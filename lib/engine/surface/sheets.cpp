@@ -113,6 +113,9 @@ bool encloses_something(const Mesh& own, const Box& box, std::size_t count, cons
     std::vector<std::uint32_t> faces(own.triangles().size());
     for (std::uint32_t face = 0; face < faces.size(); ++face) faces[face] = face;
     // A share of the points may have such a winding number.
+    const std::vector<Vec3> beside = points_beside(own, own.triangles(), faces, places);
+    // What lies within the rest has nothing of the outside between its faces.
+    if (rest != nullptr && std::ranges::count(rest->are_inside(beside), false) == 0) return false;
     const auto has_more = [&](const std::vector<Vec3>& points, double to_half, std::size_t per_point, bool is_beside) {
         const std::vector<bool> are_inside =
             rest != nullptr ? rest->are_inside(points) : std::vector<bool>(points.size());
@@ -128,8 +131,7 @@ bool encloses_something(const Mesh& own, const Box& box, std::size_t count, cons
             is_beside ? std::max(positive, negative) - std::min(positive, negative) : positive + negative;
         return per_point * enclosed > tested;
     };
-    return has_more(points_in(box, count), 0.1, 100, false) ||
-           has_more(points_beside(own, own.triangles(), faces, places), 0.4, 20, true);
+    return has_more(points_in(box, count), 0.1, 100, false) || has_more(beside, 0.4, 20, true);
 }
 
 }  // namespace
