@@ -22,7 +22,7 @@ public:
     /// Whether edge k of a face is within its patch. Thread-safe.
     bool is_within(std::uint32_t face, std::size_t k) const {
         std::call_once(once_, [this] { find(); });
-        return (within_[face] >> k & 1U) != 0;
+        return (unsigned{within_[face]} >> k & 1U) != 0;
     }
     /// The lowest face of a face's patch; the face itself if nobody has asked for edges. Not while others ask.
     std::uint32_t lowest(std::uint32_t face) const { return lowest_.empty() ? face : lowest_[face]; }
