@@ -669,8 +669,8 @@ module clsdf_c
     type(c_ptr) :: inside = c_null_ptr  !< for each sample: 1 if it is inside, else 0
   end type
 
-  !> What is asked about rays, and the arrays for the results, an item for each ray. An array without memory is not
-  !> wanted; what is given decides what is looked for: the first hits alone, whether there is any, or all.
+  !> A question about rays, and the arrays for the results, an item for each ray. An array without memory is not wanted;
+  !> what is given decides what is looked for: the first hits alone, whether there is any, or all.
   type, bind(C) :: c_ray_request
     integer(c_size_t) :: struct_size = 384
     integer(c_int32_t) :: hits = 0  !< CLSDF_WALLS or CLSDF_FACES

@@ -229,12 +229,13 @@ std::optional<ClosedCorners> closed_corners(const Mesh& mesh, const SignSurface&
 }
 
 /// A piece of a closing triangle is told as a piece of the edge that this lies in. corners: of the piece; face: that
-/// has the edge.
-void tell_as_edge(const std::array<Vec3, 3>& corners, const Triangle& face, const Triangle& closing,
+/// has the edge, in any direction.
+void tell_as_edge(const std::array<Vec3, 3>& corners, const Triangle& face, const ClosingTriangle& closing,
                   std::span<const Vec3> vertices, FacePiece& told) {
-    std::uint32_t edge = 0;  // the closing triangle begins at its end
-    while (face[(edge + 1) % 3] != closing[0]) ++edge;
-    const Vec3 &from = vertices[face[edge]], to = vertices[closing[0]];
+    const auto has = [&](std::uint32_t vertex) { return vertex == closing.from || vertex == closing.corners[0]; };
+    std::uint32_t edge = 0;
+    while (edge < 2 && !(has(face[edge]) && has(face[edge + 1]))) ++edge;
+    const Vec3 &from = vertices[face[edge]], to = vertices[face[(edge + 1) % 3]];
     const Vec3 way = difference(to, from);
     for (std::size_t k = 0; k < 3; ++k) {
         const double along = std::clamp(dot(difference(corners[k], from), way) / dot(way, way), 0.0, 1.0);
@@ -367,7 +368,9 @@ cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptio
             told.face = made.faces.numbers[i] = face_of(own);
             const Triangle& piece = made.surface.mesh.triangles()[i];
             const std::vector<Vec3>& at = made.surface.mesh.vertices();
-            tell_as_edge({at[piece[0]], at[piece[1]], at[piece[2]]}, triangles[told.face], triangles[own],
+            const auto& [a, b, c] = mesh.triangles()[told.face];
+            tell_as_edge({at[piece[0]], at[piece[1]], at[piece[2]]},
+                         {surface.vertex(a), surface.vertex(b), surface.vertex(c)}, closed->added[own - face_count],
                          mesh.vertices(), told);
         }
     }

@@ -367,6 +367,42 @@ BOOST_AUTO_TEST_CASE(coinciding_faces_are_told_by_the_lowest) {
     BOOST_TEST(*std::ranges::max_element(field.site()) == in_face);
 }
 
+BOOST_AUTO_TEST_CASE(closed_edges_are_told_as_edges_of_the_faces_as_given) {
+    // A box whose bottom is two rectangles: corners lie in the edges of the sides across y. Faces may look either way.
+    std::vector<Vec3> vertices;
+    for (unsigned i = 0; i < 8; ++i) vertices.push_back({(i & 1U) * 1.0, (i >> 1 & 1U) * 1.0, (i >> 2 & 1U) * 1.0});
+    vertices.insert(vertices.end(), {{0.5, 0, 0}, {0.5, 1, 0}});
+    // The sides come first, so that what is nearest in an edge is told of them.
+    const std::vector<Triangle> box{{0, 1, 5}, {2, 7, 3}, {0, 5, 4}, {2, 6, 7}, {0, 2, 9}, {0, 9, 8}, {8, 9, 3},
+                                    {8, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    // Tilted, the triangles that close the edges have an area by rounding.
+    for (const double angle : {0.0, 0.6, 0.9, 1.1})
+        for (const bool is_turned : {false, true}) {
+            std::vector<Triangle> triangles = box;
+            for (const std::size_t face : {0U, 1U})  // those with the edges
+                if (is_turned) std::swap(triangles[face][1], triangles[face][2]);
+            const Mesh plain(vertices, triangles, "box"), mesh = angle == 0 ? plain : tilted(plain, angle);
+            const DistanceTransform transform(test_device(), mesh, of_outer);
+            std::vector<Vec3> points;
+            for (const std::uint32_t from : {0U, 2U})
+                for (const double along : {0.05, 0.1, 0.2, 0.3, 0.4, 0.45, 0.55, 0.6, 0.7, 0.8, 0.9, 0.95}) {
+                    const Vec3 &a = mesh.vertices()[from], &b = mesh.vertices()[from + 1],
+                               &across = mesh.vertices()[from == 0 ? 7 : 5];
+                    Vec3 point{};
+                    for (std::size_t k = 0; k < 3; ++k)
+                        point[k] = a[k] + along * (b[k] - a[k]) + 0.2 * (b[k] - across[k]);
+                    points.push_back(point);
+                }
+            const Field found = query(transform, points);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                const Vec3 closest{found.closest()[3 * i], found.closest()[3 * i + 1], found.closest()[3 * i + 2]};
+                const Vec3 told = point_of(mesh, found.triangle()[i], static_cast<double>(found.barycentric()[2 * i]),
+                                           static_cast<double>(found.barycentric()[2 * i + 1]));
+                BOOST_TEST(apart(told, closest) < 1e-6, "angle " << angle << ", point " << i);
+            }
+        }
+}
+
 BOOST_AUTO_TEST_CASE(what_has_no_outer_surface_is_refused) {
     const Mesh open = without_triangle(cube(1), 3);
     const auto make = [](const Mesh& mesh, SignRule sign) {

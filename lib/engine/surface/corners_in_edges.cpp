@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace clsdf {
@@ -32,22 +33,49 @@ Foot foot_of(const Vec3& from, const Vec3& to, const Vec3& point) {
     return {along, length_of({way[0] - along * edge[0], way[1] - along * edge[1], way[2] - along * edge[2]})};
 }
 
-/// The vertices of `ends`, by which `index` is made, that lie in the edge from a to b, in their order.
-void find_corners(const LocalFrame& frame, const BoxIndex& index, std::span<const std::uint32_t> ends, std::uint32_t a,
-                  std::uint32_t b, double tolerance, std::vector<std::pair<double, std::uint32_t>>& corners) {
-    const Vec3 from = frame.local(a), to = frame.local(b);
-    corners.clear();
-    Box box = empty_box;
-    for (const Vec3& end : {from, to}) add(box, {end, end});
-    index.any(widened(box, tolerance), [&](std::size_t n) {
-        const std::uint32_t vertex = ends[n];
-        if (vertex == a || vertex == b) return false;
-        const auto [along, distance] = foot_of(from, to, frame.local(vertex));
-        if (along > 0 && along < 1 && distance <= tolerance) corners.emplace_back(along, vertex);
-        return false;
-    });
-    std::ranges::sort(corners);
-}
+/// The ends of open edges, and which of them lie in an edge.
+class Ends {
+public:
+    /// vertices: in any order, each as often as you like.
+    Ends(const Mesh& mesh, std::vector<std::uint32_t> vertices) : frame_(mesh), vertices_(std::move(vertices)) {
+        std::ranges::sort(vertices_);
+        const auto repeated = std::ranges::unique(vertices_);
+        vertices_.erase(repeated.begin(), repeated.end());
+        std::vector<Box> boxes;
+        boxes.reserve(vertices_.size());
+        for (const std::uint32_t vertex : vertices_) boxes.push_back({frame_.local(vertex), frame_.local(vertex)});
+        index_.emplace(boxes);
+    }
+
+    /// Ascending.
+    const std::vector<std::uint32_t>& all() const { return vertices_; }
+    bool contains(std::uint32_t vertex) const { return std::ranges::binary_search(vertices_, vertex); }
+    /// The edge from a to b, and those that lie in it, in their order.
+    std::vector<std::uint32_t> points_of(std::uint32_t a, std::uint32_t b) const {
+        constexpr double tolerance = 2 * joining_tolerance;  // half of the longest side is 1
+        const Vec3 from = frame_.local(a), to = frame_.local(b);
+        std::vector<std::pair<double, std::uint32_t>> within;
+        Box box = empty_box;
+        for (const Vec3& end : {from, to}) add(box, {end, end});
+        index_->any(widened(box, tolerance), [&](std::size_t n) {
+            const std::uint32_t vertex = vertices_[n];
+            if (vertex == a || vertex == b) return false;
+            const auto [along, distance] = foot_of(from, to, frame_.local(vertex));
+            if (along > 0 && along < 1 && distance <= tolerance) within.emplace_back(along, vertex);
+            return false;
+        });
+        std::ranges::sort(within);
+        std::vector<std::uint32_t> points{a};
+        for (const auto& [along, vertex] : within) points.push_back(vertex);
+        points.push_back(b);
+        return points;
+    }
+
+private:
+    LocalFrame frame_;
+    std::vector<std::uint32_t> vertices_;
+    std::optional<BoxIndex> index_;
+};
 
 }  // namespace
 
@@ -55,28 +83,21 @@ std::vector<ClosingTriangle> corners_in_edges(const Mesh& mesh, std::span<const 
     const EdgeCounts edges = count_edges(triangles, mesh.vertices().size());
     // Edges that one face more uses in one direction than in the other one, and such a face.
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> open;  // from, to
-    std::vector<std::uint32_t> ends;
+    std::vector<std::uint32_t> of_open;
     for (const UnbalancedEdge& edge : edges.unbalanced)
         if (edge.net == 1 || edge.net == -1) {
             const auto way = edge.net > 0 ? std::pair(edge.lower, edge.higher) : std::pair(edge.higher, edge.lower);
             open.emplace(way, 0);
-            ends.insert(ends.end(), {edge.lower, edge.higher});
+            of_open.insert(of_open.end(), {edge.lower, edge.higher});
         }
     if (open.empty()) return {};
-    std::ranges::sort(ends);
-    const auto repeated = std::ranges::unique(ends);
-    ends.erase(repeated.begin(), repeated.end());
     for (std::uint32_t face = 0; face < triangles.size(); ++face) {
         if (has_repeated_vertex(triangles[face])) continue;
         for (std::size_t k = 0; k < 3; ++k)
             if (const auto found = open.find({triangles[face][k], triangles[face][(k + 1) % 3]}); found != open.end())
                 found->second = face;
     }
-    const LocalFrame frame(mesh);  // half of the longest side is 1
-    const double tolerance = 2 * joining_tolerance;
-    std::vector<Box> boxes;
-    for (const std::uint32_t vertex : ends) boxes.push_back({frame.local(vertex), frame.local(vertex)});
-    const BoxIndex index(boxes);
+    const Ends ends(mesh, std::move(of_open));
     // The corners in each edge in their order, and the parts between them. An edge is closed with those that have parts
     // in common with it, if fewer are open then.
     struct Divided {
@@ -85,7 +106,6 @@ std::vector<ClosingTriangle> corners_in_edges(const Mesh& mesh, std::span<const 
         std::vector<std::uint32_t> points;  // from its start to its end
     };
     std::vector<Divided> divided;
-    std::vector<std::pair<double, std::uint32_t>> corners;
     struct Part {
         int net = 0;
         std::uint32_t edge;  // one of those that have it
@@ -93,11 +113,8 @@ std::vector<ClosingTriangle> corners_in_edges(const Mesh& mesh, std::span<const 
     std::map<std::pair<std::uint32_t, std::uint32_t>, Part> parts;
     DisjointSets groups(open.size());
     for (const auto& [way, face] : open) {
-        find_corners(frame, index, ends, way.first, way.second, tolerance, corners);
         const auto number = static_cast<std::uint32_t>(divided.size());
-        Divided edge{way, face, {way.first}};
-        for (const auto& [along, vertex] : corners) edge.points.push_back(vertex);
-        edge.points.push_back(way.second);
+        Divided edge{way, face, ends.points_of(way.first, way.second)};
         for (std::size_t k = 0; k + 1 < edge.points.size(); ++k) {
             const std::uint32_t a = edge.points[k], b = edge.points[k + 1];
             const auto [part, is_new] = parts.try_emplace(std::minmax(a, b), Part{0, number});
@@ -114,7 +131,7 @@ std::vector<ClosingTriangle> corners_in_edges(const Mesh& mesh, std::span<const 
         if (less_open[groups.root(n)] <= 0) continue;
         const Divided& edge = divided[n];
         for (std::size_t k = 1; k + 1 < edge.points.size(); ++k)
-            result.push_back({{edge.way.second, edge.points[k - 1], edge.points[k]}, edge.face});
+            result.push_back({{edge.way.second, edge.points[k - 1], edge.points[k]}, edge.face, edge.way.first});
     }
     return result;
 }
@@ -140,38 +157,24 @@ std::vector<Triangle> corners_in_edges_of_walls(const Mesh& mesh, std::span<cons
         });
     if (of_one_face.empty()) return {};
     std::ranges::sort(of_one_face);
-    std::vector<std::uint32_t> ends;
-    for (const Edge& edge : of_one_face) ends.insert(ends.end(), edge.begin(), edge.end());
-    std::ranges::sort(ends);
-    const auto repeated = std::ranges::unique(ends);
-    ends.erase(repeated.begin(), repeated.end());
+    std::vector<std::uint32_t> of_edges;
+    for (const Edge& edge : of_one_face) of_edges.insert(of_edges.end(), edge.begin(), edge.end());
+    const Ends ends(mesh, std::move(of_edges));
     std::vector<Edge> edges;  // that may have corners within
-    for (const std::uint32_t lower : ends)
+    for (const std::uint32_t lower : ends.all())
         for_each_edge_above(lower, [&](const Edge& edge, std::size_t) {
-            if (std::ranges::binary_search(ends, edge[1])) edges.push_back(edge);
+            if (ends.contains(edge[1])) edges.push_back(edge);
         });
-    const LocalFrame frame(mesh);
-    const double tolerance = 2 * joining_tolerance;
-    std::vector<Box> boxes;
-    for (const std::uint32_t vertex : ends) boxes.push_back({frame.local(vertex), frame.local(vertex)});
-    const BoxIndex index(boxes);
     std::vector<Triangle> result;
-    std::vector<std::pair<double, std::uint32_t>> corners;
     for (const auto& [a, b] : edges) {
-        find_corners(frame, index, ends, a, b, tolerance, corners);
-        if (corners.empty()) continue;
-        corners.emplace_back(1, b);
-        std::uint32_t last = a;
-        const bool has_parts = std::ranges::all_of(corners, [&](const auto& corner) {
-            const std::uint32_t from = std::exchange(last, corner.second);
-            return std::ranges::binary_search(of_one_face, Edge{std::min(from, last), std::max(from, last)});
-        });
-        if (!has_parts) continue;
-        last = a;
-        for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
-            result.push_back({b, last, corners[k].second});
-            last = corners[k].second;
-        }
+        const std::vector<std::uint32_t> points = ends.points_of(a, b);
+        const auto is_part = [&](std::uint32_t from, std::uint32_t to) {
+            return std::ranges::binary_search(of_one_face, Edge{std::min(from, to), std::max(from, to)});
+        };
+        bool has_parts = points.size() > 2;
+        for (std::size_t k = 0; has_parts && k + 1 < points.size(); ++k) has_parts = is_part(points[k], points[k + 1]);
+        for (std::size_t k = 1; has_parts && k + 1 < points.size(); ++k)
+            result.push_back({b, points[k - 1], points[k]});
     }
     return result;
 }

@@ -11,7 +11,8 @@ namespace clsdf {
 /// A triangle that closes an open edge on which corners of other faces lie: two ends of it, or a corner.
 struct ClosingTriangle {
     Triangle corners;    ///< it has no area but for rounding
-    std::uint32_t face;  ///< that has the edge
+    std::uint32_t face;  ///< that has the edge,
+    std::uint32_t from;  ///< which begins there, and ends at the first corner
 };
 
 /// The triangles between open edges and the corners of other faces that lie in them within 2^-43 of the mesh's longest

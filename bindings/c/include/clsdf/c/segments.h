@@ -121,7 +121,7 @@ CLSDF_API clsdf_status clsdf_crossings(const clsdf_transform* transform, const c
 
 /* ---- Rays ---- */
 
-/* What is asked about rays, and the arrays for the results, an item for each ray. An array without memory is not
+/* A question about rays, and the arrays for the results, an item for each ray. An array without memory is not
  * wanted; what is given decides what is looked for: the first hits alone, whether there is any, or all. */
 typedef struct clsdf_ray_request {
     size_t struct_size;
